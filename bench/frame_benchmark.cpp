@@ -6,10 +6,8 @@
 #include <numbers>
 #include <thread>
 
-#include <meshgraft/deform/handle_basis.h>
 #include <meshgraft/deform/live_deformer.h>
-#include <meshgraft/deform/proxy.h>
-#include <meshgraft/deform/reduced_frames.h>
+#include <meshgraft/deform/quick_frames.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 

@@ -26,7 +26,7 @@
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 #include <meshgraft/samples/samples.h>
 
 namespace meshgraft::bench {

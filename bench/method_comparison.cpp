@@ -13,12 +13,12 @@
 
 #include <fmt/format.h>
 
-#include <meshgraft/baselines/baselines.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/io/mesh_io.h>
 
 #include "../cli/blas_kernels.h"
+#include "baselines/baselines.h"
 #include "cgal_deformation.h"
 #include "standard_tests.h"
 

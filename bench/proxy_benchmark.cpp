@@ -17,8 +17,8 @@
 
 #include <fmt/format.h>
 
-#include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/quality.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include "../cli/blas_kernels.h"
 #include "bench_edit.h"

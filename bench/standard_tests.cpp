@@ -4,9 +4,10 @@
 #include <numbers>
 
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/io/selection_files.h>
 #include <meshgraft/samples/samples.h>
 #include <meshgraft/select/selection.h>
+
+#include "io/selection_files.h"
 
 namespace meshgraft::bench {
 

@@ -1,9 +1,9 @@
+#include <meshgraft/linalg/linear_solver.h>
+
 #include "blas_kernels.h"
 
 #include <cstdlib>
 #include <string>
-
-#include <meshgraft/linalg/blas.h>
 
 #include "core/platform/process.h"
 

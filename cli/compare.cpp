@@ -10,7 +10,6 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/script/compare.h>
 
 #include "choices.h"
 #include "cli/facts.h"
@@ -20,6 +19,7 @@
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
+#include "script/compare.h"
 #endif
 
 namespace meshgraft::cli {

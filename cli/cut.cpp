@@ -13,7 +13,6 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/diagnostics.h>
-#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "choices.h"
@@ -25,6 +24,7 @@
 #include "values.h"
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
+#include "mesh/sound_mesh.h"
 #include "picture.h"
 #endif
 

@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/script/run_edit.h>
 
 #ifdef MESHGRAFT_HAS_RENDER

@@ -13,7 +13,6 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/merge/merge_conflict.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/run_edit.h>
 
@@ -27,6 +26,7 @@
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
+#include "merge/merge_conflict.h"
 #include "picture.h"
 #endif
 

@@ -3,7 +3,6 @@
 #include <string>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/fact.h>
 
 namespace meshgraft::cli {
 

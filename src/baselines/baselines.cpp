@@ -1,4 +1,4 @@
-#include <meshgraft/baselines/baselines.h>
+#include "baselines.h"
 
 #include <algorithm>
 

@@ -5,9 +5,9 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/operators/laplacian.h>
 
 #include "methods.h"
+#include "operators/laplacian.h"
 
 namespace meshgraft::baselines {
 

@@ -9,10 +9,10 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
+#include "core/parallel.h"
 #include "deform/facts.h"
 #include "deform/setup/region_mask.h"
 
@@ -63,7 +63,7 @@ void place_known(const Points& rest, const Given& given, EditProblem& problem) {
   const Patch& patch = problem.patch;
   const Index n = patch.size();
   problem.mask = given.mask.of(patch.vertices);
-  problem.transforms.assign(static_cast<std::size_t>(n), Matrix3d::Identity());
+  problem.transforms.assign(n, Matrix3d::Identity());
   problem.start = patch.points;
   Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
   Index count = 0;
@@ -140,7 +140,7 @@ SparseRows cotangent_laplacian(const EditProblem& problem) {
   const Triangles& triangles = problem.triangles();
   const Index n = problem.size();
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(6 * triangles.rows() + n));
+  entries.reserve(6 * triangles.rows() + n);
   for (Index v = 0; v < n; ++v) entries.emplace_back(v, v, 0.0);
   for (Index t = 0; t < triangles.rows(); ++t) {
     const Vector3d half = half_cotangents(problem.rest(), triangles, t);
@@ -172,7 +172,7 @@ SparseRows cotangent_laplacian(const EditProblem& problem) {
 
 std::vector<double> mixed_areas(const EditProblem& problem) {
   const Triangles& triangles = problem.triangles();
-  std::vector<double> areas(static_cast<std::size_t>(problem.size()), 0.0);
+  std::vector<double> areas(problem.size(), 0.0);
   for (Index t = 0; t < triangles.rows(); ++t) {
     const Vector3d half = half_cotangents(problem.rest(), triangles, t);
     const auto corner = [&](int k) -> Eigen::RowVector3d { return problem.rest().row(triangles(t, k % 3)); };
@@ -215,7 +215,7 @@ Matrix3d frame_rotation(Index vertex, std::span<const Index> ring, const Points&
 std::vector<Matrix3d> frame_rotations(const EditProblem& problem, const Points& from,
                                       const Points& from_normals, const Points& to, const Points& to_normals,
                                       const Context& context) {
-  std::vector<Matrix3d> rotations(static_cast<std::size_t>(problem.size()));
+  std::vector<Matrix3d> rotations(problem.size());
   parallel_blocks(
       rotations.size(),
       [&](std::size_t begin, std::size_t end) {

@@ -10,10 +10,9 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/linalg/sparse.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/operators/constraint_mask.h>
+#include <meshgraft/operators/affine_operator.h>
 
 #include "deform/setup/patch.h"
 

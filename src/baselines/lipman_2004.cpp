@@ -1,7 +1,7 @@
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/operators/laplacian.h>
 
 #include "methods.h"
+#include "operators/laplacian.h"
 
 namespace meshgraft::baselines {
 

@@ -2,8 +2,7 @@
 
 #include <vector>
 
-#include <meshgraft/baselines/baselines.h>
-
+#include "baselines.h"
 #include "edit_problem.h"
 
 namespace meshgraft::baselines {

@@ -6,11 +6,11 @@
 #include <Eigen/SVD>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/operators/laplacian.h>
 
 #include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
 #include "methods.h"
+#include "operators/laplacian.h"
 
 namespace meshgraft::baselines {
 

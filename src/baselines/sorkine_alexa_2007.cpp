@@ -3,8 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "deform/solve/rotations.h"
 #include "methods.h"
 
@@ -22,8 +21,8 @@ class Arap {
       : problem_(problem),
         context_(context),
         C_(cotangent_laplacian(problem)),
-        rotations_(static_cast<std::size_t>(problem.size()), Matrix3d::Identity()),
-        cell_energies_(static_cast<std::size_t>(problem.size()), 0.0) {
+        rotations_(problem.size(), Matrix3d::Identity()),
+        cell_energies_(problem.size(), 0.0) {
     moves_.resize(rotations_.size());
     for (Index i = 0; i < problem.size(); ++i)
       moves_[i] = !problem.mask.position[i] || std::any_of(problem.rings[i].begin(), problem.rings[i].end(),

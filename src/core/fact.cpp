@@ -1,4 +1,4 @@
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 
 #include <algorithm>
 #include <stdexcept>

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/fact.h>
 
 /// Types of the fields of the records that tools/facts.py makes of the tables. They take what their callers
 /// have: any integer, any number, any text or path. None has a default, so that a record without a field does

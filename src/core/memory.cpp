@@ -1,4 +1,4 @@
-#include <meshgraft/core/memory.h>
+#include "memory.h"
 
 #include <algorithm>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include <meshgraft/core/parallel.h>
+#include "parallel.h"
 
 #include <algorithm>
 #include <chrono>
@@ -122,7 +122,7 @@ void share_out(int count, const std::function<void(int, int)>& body, const Conte
   const int shares = worker_threads(context);
   const auto begin = [&](int share) { return static_cast<int>(std::int64_t{count} * share / shares); };
   parallel_blocks(
-      static_cast<std::size_t>(shares),
+      shares,
       [&](std::size_t first, std::size_t last) {
         for (auto share = static_cast<int>(first); share < static_cast<int>(last); ++share)
           body(begin(share), begin(share + 1));

@@ -9,13 +9,13 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/memory.h>
-#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
 #include "../core/stopwatch.h"
 #include "core/facts.h"
+#include "core/memory.h"
 #include "deform/facts.h"
+#include "deform/setup/memory_estimate.h"
 #include "deformer_impl.h"
 
 namespace meshgraft {
@@ -86,13 +86,13 @@ Points Deformer::Impl::evaluate_with_maps(std::span<const VertexConstraint> cons
   Points positions;
   Columns solved;
   evaluate(constraints, positions, report, &solved, context);
-  map_changes.assign(static_cast<std::size_t>(positions.rows()), Eigen::Matrix3d::Zero());
+  map_changes.assign(positions.rows(), Eigen::Matrix3d::Zero());
   for (const VertexConstraint& constraint : constraints)
     if (constraint.transform)
       map_changes[constraint.vertex] = *constraint.transform - Eigen::Matrix3d::Identity();
   const std::vector<Index>& patch = system->patch().vertices;
   for (Eigen::Index v = 0; 3 * v < solved.rows(); ++v)
-    map_changes[patch[static_cast<std::size_t>(v)]] = solved.middleRows<3>(3 * v).transpose();
+    map_changes[patch[v]] = solved.middleRows<3>(3 * v).transpose();
   return positions;
 }
 

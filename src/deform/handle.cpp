@@ -1,4 +1,4 @@
-#include <meshgraft/deform/handle.h>
+#include <meshgraft/deform/deform_problem.h>
 
 #include <algorithm>
 #include <cmath>
@@ -241,10 +241,10 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Rest
             .what = facts::core::Rows::redrawn_points, .given = redrawn.rows(), .needed = curve.rows()},
         location_of(handle));
   if (rest.normals.rows() != rest.points.rows())
-    throw Error(
-        facts::core::SizeMismatch{
-            .what = facts::core::Rows::rest_normals, .given = rest.normals.rows(), .needed = rest.points.rows()},
-        location_of(handle));
+    throw Error(facts::core::SizeMismatch{.what = facts::core::Rows::rest_normals,
+                                          .given = rest.normals.rows(),
+                                          .needed = rest.points.rows()},
+                location_of(handle));
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index k = 0; k < curve.rows(); ++k) {
     VertexConstraint constraint;

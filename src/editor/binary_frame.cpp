@@ -59,7 +59,7 @@ ByteParts parts_of(std::span<const std::byte> frame) {
 
 std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points) {
   std::vector<float> values;
-  values.reserve(static_cast<std::size_t>(points.size()));
+  values.reserve(points.size());
   for (Eigen::Index i = 0; i < points.rows(); ++i)
     for (int k = 0; k < 3; ++k) values.push_back(static_cast<float>(points(i, k) - offset(k)));
   return values;

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 
 #include "script/run_steps.h"
 

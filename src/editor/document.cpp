@@ -42,7 +42,7 @@ bool drop(std::string_view& text, std::string_view beginning) {
 std::size_t take_index(std::string_view& text) {
   std::size_t index = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), index);
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  text.remove_prefix(end - text.data());
   drop(text, "]");
   return index;
 }

@@ -41,8 +41,8 @@ constexpr auto intersect = [](auto... arguments) { std::set_intersection(argumen
 
 // Returns all vertices that are not in `selection`.
 std::vector<Index> inverted(const std::vector<Index>& selection, Index count) {
-  std::vector<Index> all(static_cast<std::size_t>(count));
-  for (Index v = 0; v < count; ++v) all[static_cast<std::size_t>(v)] = v;
+  std::vector<Index> all(count);
+  for (Index v = 0; v < count; ++v) all[v] = v;
   return combined(take_away, all, selection);
 }
 

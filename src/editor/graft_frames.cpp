@@ -18,13 +18,12 @@ std::vector<std::uint8_t> origins(const MergeOutcome& merge, const Triangulation
   Index first_of_source = std::numeric_limits<Index>::max();
   for (const Index v : merge.source_map.new_index)
     if (v >= 0) first_of_source = std::min(first_of_source, v);
-  Flags is_seam(static_cast<std::size_t>(faces), 0);
-  for (const Index face : merge.new_faces) is_seam[static_cast<std::size_t>(face)] = 1;
+  Flags is_seam(faces, 0);
+  for (const Index face : merge.new_faces) is_seam[face] = 1;
   std::vector<std::uint8_t> found;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
     Origin origin = surface.triangles(t, 0) < first_of_source ? Origin::target : Origin::source;
-    if (is_seam[static_cast<std::size_t>(surface.face[static_cast<std::size_t>(t)])] != 0)
-      origin = Origin::seam;
+    if (is_seam[surface.face[t]] != 0) origin = Origin::seam;
     found.push_back(static_cast<std::uint8_t>(origin));
   }
   return found;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/script/report.h>
 
 #include "objects.h"

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 
 #include "graft_frames.h"
 #include "merge/facts.h"

@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include <meshgraft/core/memory.h>
-#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "core/memory.h"
+#include "deform/setup/memory_estimate.h"
 #include "editor/facts.h"
 #include "mesh_frames.h"
 #include "script/symmetry.h"

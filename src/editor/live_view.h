@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/live_deformer.h>
 
 #include "folders.h"

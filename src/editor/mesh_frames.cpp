@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/io/textures.h>
 #include <meshgraft/mesh/normals.h>
+
+#include "io/textures.h"
 
 namespace meshgraft::editor {
 
@@ -55,9 +56,9 @@ void add_corner_uv(BinaryFrame& frame, const Object& object) {
   const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
   if (uv == nullptr || uv->components != 2) return;
   std::vector<float> numbers;
-  numbers.reserve(static_cast<std::size_t>(2 * object.triangles.size()));
+  numbers.reserve(2 * object.triangles.size());
   for (Index t = 0; t < object.triangles.rows(); ++t) {
-    const Index face = object.triangle_faces[static_cast<std::size_t>(t)];
+    const Index face = object.triangle_faces[t];
     const auto corners = mesh.faces[face];
     for (int k = 0; k < 3; ++k) {
       const auto corner = std::find(corners.begin(), corners.end(), object.triangles(t, k)) - corners.begin();
@@ -102,7 +103,7 @@ Pictures pictures_of(const Mesh& mesh) {
   for (MaterialTexture& texture : textures_of(mesh)) {
     const auto label = std::find(material->labels.begin(), material->labels.end(), texture.material);
     if (label == material->labels.end()) continue;
-    pictures.textures[static_cast<std::size_t>(label - material->labels.begin())] = std::move(texture);
+    pictures.textures[label - material->labels.begin()] = std::move(texture);
   }
   return pictures;
 }
@@ -122,7 +123,7 @@ void add_textures(BinaryFrame& frame, const Object& object, const Folders& folde
   if (count == 0) return;
   std::vector<Index> pictures;
   for (const Index face : object.triangle_faces) {
-    const double number = numbers == nullptr ? 0 : numbers->values[static_cast<std::size_t>(face)];
+    const double number = numbers == nullptr ? 0 : numbers->values[face];
     const bool is_known = number >= 0 && number < static_cast<double>(sent.size());
     pictures.push_back(is_known ? sent[static_cast<std::size_t>(number)] : 0);
   }
@@ -157,12 +158,12 @@ std::vector<std::byte> loops_frame(const Object& object) {
 }
 
 std::vector<Index> moving_vertices(const Object& base, const Region& region) {
-  Flags moves(static_cast<std::size_t>(base.mesh().vertex_count()), region.whole ? 1 : 0);
-  for (const Index v : region.vertices) moves[static_cast<std::size_t>(v)] = 1;
-  for (const Index v : region.fixed) moves[static_cast<std::size_t>(v)] = 0;
+  Flags moves(base.mesh().vertex_count(), region.whole ? 1 : 0);
+  for (const Index v : region.vertices) moves[v] = 1;
+  for (const Index v : region.fixed) moves[v] = 0;
   std::vector<Index> moving;
   for (Index v = 0; v < base.mesh().vertex_count(); ++v)
-    if (moves[static_cast<std::size_t>(base.weld.of(v))] != 0) moving.push_back(v);
+    if (moves[base.weld.of(v)] != 0) moving.push_back(v);
   return moving;
 }
 
@@ -178,8 +179,7 @@ std::vector<std::byte> position_frame(const Object& base, const std::vector<Inde
   const auto count = all ? positions.rows() : static_cast<Eigen::Index>(moving.size());
   Points sent(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
-    sent.row(i) =
-        positions.row(base.weld.of(all ? static_cast<Index>(i) : moving[static_cast<std::size_t>(i)]));
+    sent.row(i) = positions.row(base.weld.of(all ? static_cast<Index>(i) : moving[i]));
   BinaryFrame bytes(FrameKind::frame, std::move(header));
   bytes.add("positions", relative_to(base.offset, sent));
   if (!all) bytes.add("vertices", moving);
@@ -194,12 +194,11 @@ struct Followers {
 
 // Returns all vertices of the mesh that are welded to one of `movers`, each with its row in `movers`.
 Followers followers_of(const Object& base, const std::vector<Index>& movers) {
-  std::vector<Index> row(static_cast<std::size_t>(base.mesh().vertex_count()), -1);
-  for (std::size_t i = 0; i < movers.size(); ++i)
-    row[static_cast<std::size_t>(movers[i])] = static_cast<Index>(i);
+  std::vector<Index> row(base.mesh().vertex_count(), -1);
+  for (std::size_t i = 0; i < movers.size(); ++i) row[movers[i]] = static_cast<Index>(i);
   Followers followers;
   for (Index v = 0; v < base.mesh().vertex_count(); ++v) {
-    const Index of = row[static_cast<std::size_t>(base.weld.of(v))];
+    const Index of = row[base.weld.of(v)];
     if (of < 0) continue;
     followers.vertices.push_back(v);
     followers.rows.push_back(of);

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/handle_basis.h>
 #include <meshgraft/deform/live_deformer.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include "binary_frame.h"
 #include "folders.h"

@@ -27,8 +27,8 @@ std::vector<Index> component_of(Index vertex, const SelectionContext& context) {
   const std::vector<Index>& components = context.components;
   std::vector<Index> found;
   for (std::size_t v = 0; v < components.size(); ++v)
-    if (components[v] == components[static_cast<std::size_t>(vertex)]) found.push_back(static_cast<Index>(v));
-  return components[static_cast<std::size_t>(vertex)] < 0 ? std::vector<Index>{vertex} : found;
+    if (components[v] == components[vertex]) found.push_back(static_cast<Index>(v));
+  return components[vertex] < 0 ? std::vector<Index>{vertex} : found;
 }
 
 std::vector<Index> loop_of(const json::Value& value, Index vertex, const SelectionContext& context) {
@@ -45,7 +45,7 @@ using Edge = std::array<Index, 3>;  // the two ends, and a triangle
 // Returns each edge of each triangle, sorted so that equal edges are adjacent.
 std::vector<Edge> edges_of(const Object& base) {
   std::vector<Edge> edges;
-  edges.reserve(static_cast<std::size_t>(3 * base.triangles.rows()));
+  edges.reserve(3 * base.triangles.rows());
   for (Index t = 0; t < base.triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k) {
       const Index a = base.weld.of(base.triangles(t, k)), b = base.weld.of(base.triangles(t, (k + 1) % 3));
@@ -81,27 +81,26 @@ std::vector<Index> flood(const Object& base, Index vertex, double angle_deg) {
     const Eigen::RowVector3d a = normal_of(t), b = normal_of(u);
     return std::atan2(a.cross(b).norm(), a.dot(b)) > angle_deg * std::numbers::pi / 180;
   };
-  std::vector<std::vector<Index>> next(static_cast<std::size_t>(triangles.rows()));
+  std::vector<std::vector<Index>> next(triangles.rows());
   const std::vector<Edge> edges = edges_of(base);
   for (std::size_t e = 0; e + 1 < edges.size(); ++e)
     for (std::size_t f = e + 1; f < edges.size() && edges[f][0] == edges[e][0] && edges[f][1] == edges[e][1];
          ++f) {
       if (bends_more(edges[e][2], edges[f][2])) continue;
-      next[static_cast<std::size_t>(edges[e][2])].push_back(edges[f][2]);
-      next[static_cast<std::size_t>(edges[f][2])].push_back(edges[e][2]);
+      next[edges[e][2]].push_back(edges[f][2]);
+      next[edges[f][2]].push_back(edges[e][2]);
     }
   std::vector<Index> reached, waiting;
   Flags seen(next.size(), 0);
   for (Index t = 0; t < triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k)
-      if (base.weld.of(triangles(t, k)) == vertex && std::exchange(seen[static_cast<std::size_t>(t)], 1) == 0)
-        waiting.push_back(t);
+      if (base.weld.of(triangles(t, k)) == vertex && std::exchange(seen[t], 1) == 0) waiting.push_back(t);
   while (!waiting.empty()) {
     const Index t = waiting.back();
     waiting.pop_back();
     for (int k = 0; k < 3; ++k) reached.push_back(base.weld.of(triangles(t, k)));
-    for (const Index u : next[static_cast<std::size_t>(t)])
-      if (std::exchange(seen[static_cast<std::size_t>(u)], 1) == 0) waiting.push_back(u);
+    for (const Index u : next[t])
+      if (std::exchange(seen[u], 1) == 0) waiting.push_back(u);
   }
   std::sort(reached.begin(), reached.end());
   reached.erase(std::unique(reached.begin(), reached.end()), reached.end());

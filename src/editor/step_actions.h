@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 
 #include "document.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::editor {

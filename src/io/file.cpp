@@ -219,7 +219,7 @@ std::string read_file(const fs::path& path) {
   const auto buffer = std::make_unique_for_overwrite<char[]>(piece);
   std::string content;
   if (status.type == fs::file_type::regular) {
-    content.reserve(static_cast<std::size_t>(status.bytes));
+    content.reserve(status.bytes);
     platform::prefer_huge_pages(content.data(), content.capacity());
   }
   for (;;) {

@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-#include <meshgraft/mesh/join.h>
+#include "mesh/join.h"
 
 namespace meshgraft::io {
 
@@ -29,8 +29,8 @@ std::vector<const FileDocument*> documents_of(const Mesh& mesh) {
   std::vector<const FileDocument*> documents;
   const auto sources = sources_of(mesh);
   if (!sources) return documents;
-  for (const JoinedSources::Part& part : sources->parts) {
-    const auto* document = dynamic_cast<const FileDocument*>(part.source.get());
+  for (const JoinedSources::File& source : sources->files) {
+    const auto* document = dynamic_cast<const FileDocument*>(source.document.get());
     if (document != nullptr && std::ranges::find(documents, document) == documents.end())
       documents.push_back(document);
   }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {

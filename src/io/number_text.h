@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft::io {

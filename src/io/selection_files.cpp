@@ -1,4 +1,4 @@
-#include <meshgraft/io/selection_files.h>
+#include "selection_files.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,13 +1,12 @@
-#include <meshgraft/io/textures.h>
+#include "textures.h"
 
 #include <filesystem>
 #include <iterator>
 #include <system_error>
 #include <utility>
 
-#include <meshgraft/mesh/join.h>
-
 #include "gltf/images.h"
+#include "mesh/join.h"
 #include "obj/materials.h"
 #include "ply/document.h"
 
@@ -41,9 +40,9 @@ std::vector<MaterialTexture> textures_of(const Mesh& mesh) {
   std::vector<MaterialTexture> textures = textures_without_material(mesh.source.get());
   const auto sources = sources_of(mesh);
   if (!sources) return textures;
-  for (const JoinedSources::Part& part : sources->parts)
-    for (MaterialTexture& texture : textures_in(part.source.get()))
-      for (const auto& [in_file, now] : part.materials)
+  for (const JoinedSources::File& source : sources->files)
+    for (MaterialTexture& texture : textures_in(source.document.get()))
+      for (const auto& [in_file, now] : source.materials)
         if (in_file == texture.material) textures.push_back({now, texture.file, texture.bytes});
   return textures;
 }

@@ -1,4 +1,4 @@
-#include <meshgraft/linalg/blas.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 #include <cstddef>
 #include <mutex>
@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "blas_threads.h"
+#include "core/parallel.h"
 #include "core/platform/memory.h"
 #include "core/platform/processor.h"
 #include "linalg/facts.h"

@@ -1,4 +1,4 @@
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -6,8 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "sparse_products.h"
 
 namespace meshgraft {

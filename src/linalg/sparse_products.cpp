@@ -9,8 +9,8 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
+#include "core/parallel.h"
 #include "linalg/facts.h"
 
 namespace meshgraft {

@@ -4,7 +4,6 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/linalg/sparse.h>
 
 namespace meshgraft {
 

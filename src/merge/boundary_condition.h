@@ -4,10 +4,9 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/deform/constraints.h>
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/merge/merge_options.h>
-#include <meshgraft/merge/similarity.h>
+#include <meshgraft/merge/merge_report.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "pair_geometry.h"

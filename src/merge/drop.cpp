@@ -1,4 +1,4 @@
-#include <meshgraft/merge/drop.h>
+#include <meshgraft/merge/merge.h>
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/intersections.h>
-#include <meshgraft/merge/merge_conflict.h>
+#include <meshgraft/deform/quality.h>
 
 #include "drop_size.h"
 #include "merge/facts.h"
+#include "merge_conflict.h"
 
 namespace meshgraft {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 
 #include "footprint.h"
 

@@ -7,11 +7,10 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/mesh/refine.h>
-
 #include "../mesh/edge_table.h"
 #include "exponential_map.h"
 #include "merge/facts.h"
+#include "mesh/refine.h"
 
 namespace meshgraft {
 

@@ -7,8 +7,9 @@
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/merge/seam.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "seam.h"
 
 namespace meshgraft {
 

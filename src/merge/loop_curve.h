@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/merge/similarity.h>
+#include <meshgraft/merge/merge_report.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

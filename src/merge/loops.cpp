@@ -11,10 +11,10 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/winding.h>
 
 #include "loop_curve.h"
 #include "merge/facts.h"
+#include "mesh/winding.h"
 
 namespace meshgraft {
 

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/merge/correspondence.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 

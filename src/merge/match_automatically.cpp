@@ -9,7 +9,7 @@
 #include <Eigen/LU>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/similarity.h>
+#include <meshgraft/merge/merge_report.h>
 
 #include "deform/solve/rotations.h"
 #include "loop_curve.h"

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 
 #include "loop_curve.h"
 #include "pair_geometry.h"

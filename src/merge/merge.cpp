@@ -9,7 +9,6 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/winding.h>
 
 #include "../core/stopwatch.h"
 #include "boundary_condition.h"
@@ -18,9 +17,11 @@
 #include "match_loops.h"
 #include "merge/facts.h"
 #include "merge_notes.h"
+#include "mesh/winding.h"
 #include "pose_by_boundary.h"
 #include "refine_source.h"
 #include "report_pair.h"
+#include "seam.h"
 #include "validate_options.h"
 
 namespace meshgraft {

@@ -1,5 +1,6 @@
-#include <meshgraft/merge/merge_conflict.h>
-#include <meshgraft/merge/pose_source.h>
+#include "merge_conflict.h"
+
+#include "pose_source.h"
 
 namespace meshgraft {
 

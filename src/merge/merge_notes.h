@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/merge/merge_report.h>
 

@@ -1,4 +1,4 @@
-#include <meshgraft/merge/open_hole.h>
+#include "open_hole.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
 

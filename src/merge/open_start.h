@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include <meshgraft/core/fact.h>
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/core/error.h>
+#include <meshgraft/merge/merge_options.h>
 
 namespace meshgraft {
 

@@ -1,4 +1,4 @@
-#include <meshgraft/merge/pose_source.h>
+#include "pose_source.h"
 
 #include <cmath>
 #include <vector>
@@ -9,10 +9,10 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/winding.h>
 
 #include "core/facts.h"
 #include "merge/facts.h"
+#include "mesh/winding.h"
 
 namespace meshgraft {
 

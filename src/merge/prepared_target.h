@@ -6,9 +6,10 @@
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/merge/open_hole.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
+
+#include "open_hole.h"
 
 namespace meshgraft {
 

@@ -6,10 +6,10 @@
 #include <map>
 #include <utility>
 
-#include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "graft.h"
+#include "mesh/refine.h"
 
 namespace meshgraft {
 

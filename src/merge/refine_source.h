@@ -3,7 +3,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

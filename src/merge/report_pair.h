@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/merge/merge_report.h>
 #include <meshgraft/mesh/mesh.h>
 

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
-#include <meshgraft/mesh/refine.h>
 
 #include "../mesh/edge_table.h"
 #include "merge/facts.h"
+#include "mesh/interpolate_attribute.h"
+#include "mesh/refine.h"
 
 namespace meshgraft {
 

@@ -1,4 +1,4 @@
-#include <meshgraft/merge/seam.h>
+#include "seam.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "../mesh/area_vector.h"
@@ -17,6 +16,7 @@
 #include "core/facts.h"
 #include "gap_fill.h"
 #include "merge/facts.h"
+#include "mesh/join.h"
 #include "ring_removal.h"
 #include "seam_attributes.h"
 #include "seam_fairing.h"

@@ -7,8 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/normals.h>
+
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
 

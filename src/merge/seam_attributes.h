@@ -4,8 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/merge/seam.h>
-
+#include "seam.h"
 #include "seam_patch.h"
 
 namespace meshgraft {

@@ -6,12 +6,11 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/linalg/sparse.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/operators/laplacian.h>
 
 #include "merge/facts.h"
+#include "operators/laplacian.h"
 #include "reduce_folds.h"
 #include "tangential_relaxation.h"
 

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/merge/seam.h>
 
+#include "seam.h"
 #include "seam_patch.h"
 
 namespace meshgraft {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <meshgraft/merge/seam_report.h>
+#include <meshgraft/merge/merge_report.h>
 
 #include "seam_patch.h"
 

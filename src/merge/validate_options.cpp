@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/merge_conflict.h>
 
 #include "../mesh/box_diagonal.h"
 #include "core/facts.h"
 #include "merge/facts.h"
+#include "merge_conflict.h"
 
 namespace meshgraft {
 

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstddef>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "closed_components.h"
 #include "coincident.h"
+#include "core/parallel.h"
 #include "counted_note.h"
 #include "edge_table.h"
 #include "face_defects.h"

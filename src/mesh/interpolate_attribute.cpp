@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/interpolate_attribute.h>
+#include "interpolate_attribute.h"
 
 #include <algorithm>
 #include <cmath>

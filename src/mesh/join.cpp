@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/join.h>
+#include "join.h"
 
 #include <algorithm>
 #include <cmath>
@@ -265,7 +265,7 @@ class Joiner {
   // Returns whether both meshes come from one file, and so name the same materials.
   bool same_source() const {
     const auto one_file = [](const JoinedSources* sources) -> const SourceDocument* {
-      return sources && sources->parts.size() == 1 ? sources->parts.front().source.get() : nullptr;
+      return sources && sources->files.size() == 1 ? sources->files.front().document.get() : nullptr;
     };
     const SourceDocument* file = one_file(first_sources_.get());
     return file && file == one_file(second_sources_.get());
@@ -276,14 +276,14 @@ class Joiner {
     auto joined = std::make_shared<JoinedSources>();
     const auto add = [&](const JoinedSources* sources) {
       if (!sources) return;
-      joined->parts.insert(joined->parts.end(), sources->parts.begin(), sources->parts.end());
+      joined->files.insert(joined->files.end(), sources->files.begin(), sources->files.end());
       joined->notes.insert(joined->notes.end(), sources->notes.begin(), sources->notes.end());
     };
     add(first_sources_.get());
-    const std::size_t first_parts = joined->parts.size();
+    const std::size_t first_files = joined->files.size();
     add(second_sources_.get());
-    for (std::size_t p = first_parts; p < joined->parts.size(); ++p)
-      for (auto& [in_file, now] : joined->parts[p].materials)
+    for (std::size_t p = first_files; p < joined->files.size(); ++p)
+      for (auto& [in_file, now] : joined->files[p].materials)
         if (const auto renamed = renamed_materials_.find(now); renamed != renamed_materials_.end())
           now = renamed->second;
     joined->notes.insert(joined->notes.end(), result_.notes.begin(), result_.notes.end());
@@ -303,9 +303,9 @@ std::shared_ptr<const JoinedSources> sources_of(const Mesh& mesh) {
   if (!mesh.source) return nullptr;
   if (auto several = std::dynamic_pointer_cast<const JoinedSources>(mesh.source)) return several;
   auto one = std::make_shared<JoinedSources>();
-  one->parts.push_back({mesh.source, {}});
+  one->files.push_back({mesh.source, {}});
   if (const Attribute* material = mesh.find_attribute(Domain::face, "material"))
-    for (const std::string& name : material->labels) one->parts.front().materials.emplace_back(name, name);
+    for (const std::string& name : material->labels) one->files.front().materials.emplace_back(name, name);
   return one;
 }
 

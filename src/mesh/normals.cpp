@@ -7,10 +7,10 @@
 #include <Eigen/SVD>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "area_vector.h"
 #include "core/facts.h"
+#include "core/parallel.h"
 #include "face_defects.h"
 #include "tangents.h"
 

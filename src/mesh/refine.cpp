@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/refine.h>
+#include "refine.h"
 
 #include <utility>
 

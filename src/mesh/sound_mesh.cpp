@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/sound_mesh.h>
+#include "sound_mesh.h"
 
 #include <algorithm>
 

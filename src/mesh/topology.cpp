@@ -6,9 +6,9 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "core/parallel.h"
 #include "disjoint_sets.h"
 #include "edge_table.h"
 #include "fans.h"

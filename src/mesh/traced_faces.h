@@ -4,8 +4,9 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "interpolate_attribute.h"
 
 namespace meshgraft {
 

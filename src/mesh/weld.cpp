@@ -1,4 +1,4 @@
-#include <meshgraft/mesh/weld.h>
+#include "weld.h"
 
 #include <algorithm>
 #include <limits>

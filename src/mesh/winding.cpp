@@ -1,5 +1,3 @@
-#include <meshgraft/mesh/join.h>
-#include <meshgraft/mesh/winding.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +7,11 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/topology.h>
+
+#include "interpolate_attribute.h"
+#include "join.h"
+#include "winding.h"
 
 namespace meshgraft {
 

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <numeric>
 
-#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/operators/laplacian.h>
 
+#include "core/parallel.h"
+#include "laplacian.h"
 #include "local_maps.h"
 #include "smoothness_pairs.h"
 
@@ -35,7 +35,7 @@ Flags flag_rows(const ConstraintMask& mask, const IndexLists& rings, int laplaci
   std::vector<Index> unknown;
   for (Index v = 0; v < mask.size(); ++v)
     if (mask.is_unknown(v)) unknown.push_back(v);
-  Flags rows(static_cast<std::size_t>(mask.size()), 0);
+  Flags rows(mask.size(), 0);
   for (const Index v : grow_rings(unknown, laplacian_order, rings)) rows[v] = 1;
   return rows;
 }
@@ -172,7 +172,7 @@ SparseRows AffineOperator::coupling(const Context& context) const {
   for (std::size_t p = 0; p < pairs_.size(); ++p)
     to_smaller.values[next[pairs_[p][1]]++] = static_cast<Index>(p);
 
-  std::vector<int> lengths(static_cast<std::size_t>(3 * n));
+  std::vector<int> lengths(3 * n);
   for (Index v = 0; v < n; ++v) {
     const auto partners = static_cast<int>(to_smaller[v].size()) + first_pair[v + 1] - first_pair[v];
     std::fill_n(lengths.begin() + 3 * v, 3, partners > 0 ? 3 * (partners + 1) : 0);
@@ -189,7 +189,7 @@ SparseRows AffineOperator::coupling(const Context& context) const {
     return block;
   };
   parallel_blocks(
-      static_cast<std::size_t>(n),
+      n,
       [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
           const int first = K.outerIndexPtr()[3 * v], length = lengths[3 * static_cast<std::size_t>(v)];
@@ -210,11 +210,10 @@ SparseRows AffineOperator::coupling(const Context& context) const {
             write(partner, -block, next_column);
             next_column += 3;
           };
-          for (const Index pair : to_smaller[v]) add(pair, pairs_[static_cast<std::size_t>(pair)][0]);
+          for (const Index pair : to_smaller[v]) add(pair, pairs_[pair][0]);
           const int diagonal = next_column;
           next_column += 3;
-          for (Index pair = first_pair[v]; pair < first_pair[v + 1]; ++pair)
-            add(pair, pairs_[static_cast<std::size_t>(pair)][1]);
+          for (Index pair = first_pair[v]; pair < first_pair[v + 1]; ++pair) add(pair, pairs_[pair][1]);
           write(v, own, diagonal);
         }
       },

@@ -1,11 +1,11 @@
-#include <meshgraft/operators/laplacian.h>
+#include "laplacian.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 
@@ -22,7 +22,7 @@ int entry_of(const SparseRows& matrix, Index row, Index column) {
 SparseRows umbrella_pattern(const IndexLists& rings) {
   const Index n = rings.size();
   SparseRows pattern(n, n);
-  std::vector<int> lengths(static_cast<std::size_t>(n));
+  std::vector<int> lengths(n);
   for (Index i = 0; i < n; ++i) lengths[i] = rings[i].empty() ? 0 : static_cast<int>(rings[i].size()) + 1;
   pattern.reserve(lengths);
   for (Index i = 0; i < n; ++i) {
@@ -102,7 +102,7 @@ SparseRows dirichlet_matrix(const Points& points, const Triangles& triangles, co
 }
 
 std::vector<double> vertex_areas(const Points& points, const Triangles& triangles) {
-  std::vector<double> areas(static_cast<std::size_t>(points.rows()), 0.0);
+  std::vector<double> areas(points.rows(), 0.0);
   for (const auto& t : triangles.rowwise()) {
     const Eigen::RowVector3d a = points.row(t[1]) - points.row(t[0]), b = points.row(t[2]) - points.row(t[0]);
     const double third = a.cross(b).norm() / 6;
@@ -112,7 +112,7 @@ std::vector<double> vertex_areas(const Points& points, const Triangles& triangle
 }
 
 std::vector<double> mean_edge_lengths(const Points& points, const IndexLists& rings) {
-  std::vector<double> lengths(static_cast<std::size_t>(rings.size()), 0.0);
+  std::vector<double> lengths(rings.size(), 0.0);
   for (Index i = 0; i < rings.size(); ++i) {
     for (Index j : rings[i]) lengths[i] += (points.row(j) - points.row(i)).norm();
     if (!rings[i].empty()) lengths[i] /= static_cast<double>(rings[i].size());

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
-#include <meshgraft/core/parallel.h>
-#include <meshgraft/operators/laplacian.h>
+#include "core/parallel.h"
+#include "laplacian.h"
 
 namespace meshgraft {
 
@@ -114,11 +114,11 @@ StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintM
   const IndexLists& rings = surface.rings;
   const Index n = rings.size();
   StencilNodes nodes;
-  nodes.apex.assign(static_cast<std::size_t>(n), -1);
-  nodes.flat.assign(static_cast<std::size_t>(n), 0);
+  nodes.apex.assign(n, -1);
+  nodes.flat.assign(n, 0);
   Points directions = normals;
   parallel_blocks(
-      static_cast<std::size_t>(n),
+      n,
       [&](std::size_t begin, std::size_t end) {
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
           if (!mask.is_fitted(i) || rings[i].empty()) continue;
@@ -157,10 +157,10 @@ StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintM
 SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings, const ConstraintMask& mask,
                               const Context& context) {
   const Index n = rings.size();
-  std::vector<Stencil> stencils(static_cast<std::size_t>(n));
-  std::vector<Centred> coefficients(static_cast<std::size_t>(n));
+  std::vector<Stencil> stencils(n);
+  std::vector<Centred> coefficients(n);
   parallel_blocks(
-      static_cast<std::size_t>(n),
+      n,
       [&](std::size_t begin, std::size_t end) {
         Eigen::JacobiSVD<Centred> svd;
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
@@ -171,12 +171,12 @@ SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings
       },
       context);
 
-  std::vector<int> lengths(static_cast<std::size_t>(3 * n));
+  std::vector<int> lengths(3 * n);
   for (Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) lengths[3 * i + k] = static_cast<int>(stencils[i].nodes.size());
   SparseRows H = rows_of_lengths(lengths, nodes.positions.rows());
   parallel_blocks(
-      static_cast<std::size_t>(n),
+      n,
       [&](std::size_t begin, std::size_t end) {
         std::vector<Index> order;
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {

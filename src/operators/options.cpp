@@ -1,4 +1,4 @@
-#include <meshgraft/operators/options.h>
+#include <meshgraft/operators/affine_operator.h>
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 

@@ -60,8 +60,8 @@ constexpr std::array<std::array<std::uint8_t, 5>, 95> glyphs{{
 bool dot(char character, int column, int row) {
   if (column < 0 || column >= 5 || row < 0 || row >= 7) return false;
   const int code = static_cast<unsigned char>(character);
-  const auto& glyph = glyphs[static_cast<std::size_t>(code >= 32 && code < 127 ? code - 32 : '?' - 32)];
-  return glyph[static_cast<std::size_t>(column)] >> row & 1;
+  const auto& glyph = glyphs[code >= 32 && code < 127 ? code - 32 : '?' - 32];
+  return glyph[column] >> row & 1;
 }
 
 // Returns the distance from (x, y), in grid units, to the pen strokes that join neighbouring dots. Dots are

@@ -12,9 +12,9 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "core/parallel.h"
 #include "render/facts.h"
 
 namespace meshgraft::render {
@@ -96,7 +96,7 @@ std::vector<Vec3> corner_normals(const Points& positions, const Triangles& trian
             Vec3 sum = flat[t];
             if (options.smooth)
               for (const Index other : around[triangles(static_cast<Eigen::Index>(t), c)]) {
-                const Vec3& n = flat[static_cast<std::size_t>(other)];
+                const Vec3& n = flat[other];
                 if (static_cast<std::size_t>(other) != t && n.dot(flat[t]) > limit * n.norm() * flat[t].norm())
                   sum += n;
               }
@@ -109,7 +109,7 @@ std::vector<Vec3> corner_normals(const Points& positions, const Triangles& trian
 
 // Marks the edges to draw; diagonals of polygons are not drawn.
 std::vector<std::uint8_t> outlines(const Mesh& mesh, const Triangulation& triangulation) {
-  std::vector<std::uint8_t> bits(static_cast<std::size_t>(triangulation.triangles.rows()), 0);
+  std::vector<std::uint8_t> bits(triangulation.triangles.rows(), 0);
   for (std::size_t t = 0; t < bits.size(); ++t) {
     const auto face = mesh.faces[triangulation.face[t]];
     for (int c = 0; c < 3; ++c) {
@@ -413,8 +413,7 @@ class Painter {
     Vec3 normal = Vec3::Zero(), colour = Vec3::Zero();
     for (int c = 0; c < 3; ++c) {
       normal += weights[c] * surface.corner_normals[3 * t + static_cast<std::size_t>(c)];
-      colour +=
-          weights[c] * (surface.colours.empty() ? clay : surface.colours[static_cast<std::size_t>(corners[c])]);
+      colour += weights[c] * (surface.colours.empty() ? clay : surface.colours[corners[c]]);
     }
     Vec3 flat = Vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z).normalized();
     normal.normalize();
@@ -548,7 +547,7 @@ Points vertex_colours(const Mesh& mesh) {
   out.resize(mesh.vertex_count(), 3);
   for (Eigen::Index v = 0; v < out.rows(); ++v)
     for (int k = 0; k < 3; ++k) {
-      const double value = colour->values[static_cast<std::size_t>(v * colour->components + k)];
+      const double value = colour->values[v * colour->components + k];
       out(v, k) = from_srgb(std::clamp(bytes ? value / 255.0 : value, 0.0, 1.0));
     }
   return out;

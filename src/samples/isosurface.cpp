@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft::samples {
 

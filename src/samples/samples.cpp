@@ -9,9 +9,9 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "core/parallel.h"
 #include "isosurface.h"
 #include "models.h"
 #include "samples/facts.h"

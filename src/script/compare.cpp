@@ -1,4 +1,4 @@
-#include <meshgraft/script/compare.h>
+#include "compare.h"
 
 #include <algorithm>
 #include <array>

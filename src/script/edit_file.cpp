@@ -179,7 +179,7 @@ class ReferenceCheck {
         if (named->name == selection.name)
           throw Error(facts::script::SelectionUsesItself{.name = named->name}, location);
         const auto used = std::find(names_.begin(), names_.end(), named->name) - names_.begin();
-        deepest = std::max(deepest, depth(edit_.selections[static_cast<std::size_t>(used)], above + 1));
+        deepest = std::max(deepest, depth(edit_.selections[used], above + 1));
       }
     });
     if (deepest + 1 > edit_file_depth_limit)

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/fact.h>
 
 namespace meshgraft {
 

@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "script/facts.h"

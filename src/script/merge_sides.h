@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/script/edit_file.h>
 
+#include "mesh/sound_mesh.h"
 #include "run_steps.h"
 #include "selection_resolver.h"
 

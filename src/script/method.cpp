@@ -1,8 +1,10 @@
-#include <meshgraft/script/method.h>
+#include <meshgraft/script/report.h>
 
 #include <string>
 
 #include <meshgraft/core/error.h>
+
+#include "baselines/baselines.h"
 
 #include "json_value.h"
 #include "script/facts.h"

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <set>
 
-#include <meshgraft/merge/merge_conflict.h>
-#include <meshgraft/merge/pose_source.h>
 #include <meshgraft/script/edit_file.h>
 
+#include "merge/merge_conflict.h"
+#include "merge/pose_source.h"
 #include "parse_parts.h"
 #include "script/facts.h"
 
@@ -151,7 +151,8 @@ void require_sense(const MergeStep& step, const Object& fields) {
     case dropped_pose_kept: return fail("at", facts::script::AtWithKeptPose{});
     case posed_twice: return fail("align", facts::script::PosedTwice{});
     case too_few_aligned:
-      return fail("align", facts::script::TooFew{.least = fewest_aligned_pairs, .what = facts::script::Elements::pairs});
+      return fail("align",
+                  facts::script::TooFew{.least = fewest_aligned_pairs, .what = facts::script::Elements::pairs});
     case fixed_pose_found: return fail("fixed", facts::script::FixedWithFoundPose{});
     case size_pose_kept: return fail("size", facts::script::SizeWithKeptPose{});
     case reach_given_twice: return;  // `parse_reach` takes one of the two

@@ -5,8 +5,9 @@
 #include <map>
 #include <utility>
 
-#include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
+
+#include "mesh/refine.h"
 
 namespace meshgraft {
 
@@ -19,7 +20,7 @@ constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
 
 std::vector<int> holders(const ResolvedProblem& problem) {
   const Region& region = problem.deform.region;
-  std::vector<int> holder(static_cast<std::size_t>(problem.rest.rows()), region.whole ? nobody : outside);
+  std::vector<int> holder(problem.rest.rows(), region.whole ? nobody : outside);
   for (const Index v : region.vertices) holder[v] = nobody;
   for (const Index v : region.fixed) holder[v] = fixed;
   for (const VertexConstraint& constraint : problem.deform.constraints) holder[constraint.vertex] = constrained;

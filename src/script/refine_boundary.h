@@ -2,7 +2,8 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
-#include <meshgraft/script/resolve_deform.h>
+
+#include "resolve_deform.h"
 
 namespace meshgraft {
 

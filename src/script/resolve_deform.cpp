@@ -1,4 +1,4 @@
-#include <meshgraft/script/resolve_deform.h>
+#include "resolve_deform.h"
 
 #include <algorithm>
 #include <map>
@@ -11,10 +11,10 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/io/selection_files.h>
 
 #include "core/facts.h"
 #include "deform/facts.h"
+#include "io/selection_files.h"
 #include "script/facts.h"
 #include "selection_resolver.h"
 #include "symmetry.h"
@@ -26,8 +26,7 @@ namespace {
 // The role of each vertex of the region. A vertex cannot get two roles.
 class Roles {
  public:
-  Roles(Index vertex_count, const std::vector<Index>& region)
-      : owner_(static_cast<std::size_t>(vertex_count), outside) {
+  Roles(Index vertex_count, const std::vector<Index>& region) : owner_(vertex_count, outside) {
     for (const Index v : region) owner_[v] = nobody;
   }
 
@@ -60,9 +59,7 @@ class Roles {
   }
 
   /// Returns the name of the handle that a vertex is part of, or null.
-  const std::string* holder_of(Index v) const {
-    return owner_[v] < 0 ? nullptr : &handles_[static_cast<std::size_t>(owner_[v])];
-  }
+  const std::string* holder_of(Index v) const { return owner_[v] < 0 ? nullptr : &handles_[owner_[v]]; }
 
   static constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
 
@@ -72,7 +69,7 @@ class Roles {
 };
 
 std::vector<Index> every_vertex(Index count) {
-  std::vector<Index> all(static_cast<std::size_t>(count));
+  std::vector<Index> all(count);
   std::iota(all.begin(), all.end(), 0);
   return all;
 }

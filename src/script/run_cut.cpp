@@ -4,10 +4,10 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "../core/stopwatch.h"
+#include "mesh/sound_mesh.h"
 #include "run_steps.h"
 
 namespace meshgraft {
@@ -23,7 +23,7 @@ CutResult cut(const Mesh& mesh, const CutStep& step, const Context& context) {
 std::vector<Index> vertices_beside(const CutResult& result, int side) {
   std::vector<Index> vertices;
   for (Index f = 0; f < result.mesh.face_count(); ++f)
-    if (result.face_side[static_cast<std::size_t>(f)] == side)
+    if (result.face_side[f] == side)
       vertices.insert(vertices.end(), result.mesh.faces[f].begin(), result.mesh.faces[f].end());
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());

@@ -4,21 +4,21 @@
 #include <numeric>
 #include <utility>
 
-#include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/memory.h>
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/memory_estimate.h>
-#include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/quality.h>
+#include <meshgraft/deform/quick_frames.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/weld.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/script/run_edit.h>
 
 #include "../core/stopwatch.h"
+#include "baselines/baselines.h"
+#include "core/memory.h"
+#include "deform/setup/memory_estimate.h"
+#include "mesh/weld.h"
 #include "refine_boundary.h"
+#include "resolve_deform.h"
 #include "run_steps.h"
 #include "script/facts.h"
 
@@ -33,7 +33,7 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
                                  int reach) {
   std::vector<Index> vertices = region.vertices;
   if (region.whole) {
-    vertices.resize(static_cast<std::size_t>(selections.mesh.vertex_count()));
+    vertices.resize(selections.mesh.vertex_count());
     std::iota(vertices.begin(), vertices.end(), Index{0});
   }
   vertices = grow_rings(vertices, reach, selections.rings);
@@ -86,7 +86,7 @@ struct Solution {
 std::vector<Index> free_vertices(const ResolvedProblem& problem,
                                  std::span<const VertexConstraint> constraints) {
   const Region& region = problem.deform.region;
-  Flags is_free(static_cast<std::size_t>(problem.rest.rows()), region.whole ? 1 : 0);
+  Flags is_free(problem.rest.rows(), region.whole ? 1 : 0);
   for (const Index v : region.vertices) is_free[v] = 1;
   for (const VertexConstraint& constraint : constraints)
     if (constraint.position) is_free[constraint.vertex] = 0;
@@ -171,7 +171,7 @@ Solution solve_by(const Options& deformer_options, const ResolvedProblem& proble
 Index count_free_vertices(const ResolvedProblem& problem) {
   const Region& region = problem.deform.region;
   const bool whole = region.whole || region.vertices.empty();
-  Flags free(static_cast<std::size_t>(problem.rest.rows()), whole);
+  Flags free(problem.rest.rows(), whole);
   if (!whole)
     for (const Index v : region.vertices) free[v] = 1;
   for (const Index v : region.fixed) free[v] = 0;

@@ -128,7 +128,7 @@ Scene make_scene(Mesh mesh, std::string label, const Context& context) {
   Scene scene;
   scene.diagnostics = check_mesh(mesh, context);
   scene.rest = mesh.positions;
-  scene.was_free.assign(static_cast<std::size_t>(mesh.vertex_count()), 0);
+  scene.was_free.assign(mesh.vertex_count(), 0);
   scene.label = std::move(label);
   scene.mesh = std::move(mesh);
   return scene;
@@ -140,8 +140,7 @@ void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets&
       std::vector<Index>& carried = to[step][what];
       carried.clear();
       for (const Index v : vertices)
-        if (map.new_index[static_cast<std::size_t>(v)] >= 0)
-          carried.push_back(map.new_index[static_cast<std::size_t>(v)]);
+        if (map.new_index[v] >= 0) carried.push_back(map.new_index[v]);
     }
 }
 

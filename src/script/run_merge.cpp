@@ -6,12 +6,11 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/correspondence.h>
-#include <meshgraft/merge/drop.h>
 #include <meshgraft/merge/merge.h>
-#include <meshgraft/merge/pose_source.h>
+#include <meshgraft/merge/merge_options.h>
 
 #include "../core/stopwatch.h"
+#include "merge/pose_source.h"
 #include "merge_sides.h"
 #include "run_steps.h"
 #include "script/facts.h"
@@ -74,7 +73,7 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
 // Returns a vertex given by its number, or the vertex nearest to a point.
 Index any_vertex(const Mesh& mesh, const VertexSpec& vertex) {
   if (const auto* number = std::get_if<Index>(&vertex)) return *number;
-  std::vector<Index> all(static_cast<std::size_t>(mesh.vertex_count()));
+  std::vector<Index> all(mesh.vertex_count());
   std::iota(all.begin(), all.end(), Index{0});
   return nearest(mesh, all, std::get<Eigen::Vector3d>(vertex));
 }
@@ -128,8 +127,7 @@ void judge_intersections(const MergeIntersections& found, const MergeStep& step,
 std::vector<Index> present(const IndexMap& map, Index count) {
   std::vector<Index> vertices;
   for (Index v = 0; v < count; ++v)
-    if (map.new_index[static_cast<std::size_t>(v)] >= 0)
-      vertices.push_back(map.new_index[static_cast<std::size_t>(v)]);
+    if (map.new_index[v] >= 0) vertices.push_back(map.new_index[v]);
   std::sort(vertices.begin(), vertices.end());
   return vertices;
 }

@@ -7,16 +7,16 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/merge/open_hole.h>
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/mesh.h>
-#include <meshgraft/mesh/weld.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "merge/open_hole.h"
+#include "mesh/weld.h"
 #include "refine_boundary.h"
+#include "resolve_deform.h"
 
 namespace meshgraft {
 

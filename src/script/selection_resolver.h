@@ -12,11 +12,11 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/io/selection_files.h>
 #include <meshgraft/script/edit_file.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/select/selection.h>
 
+#include "io/selection_files.h"
+#include "resolve_deform.h"
 #include "script/facts.h"
 
 namespace meshgraft {

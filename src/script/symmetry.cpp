@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
-#include <meshgraft/merge/pose_source.h>
 
+#include "core/parallel.h"
+#include "merge/pose_source.h"
 #include "mesh/box_diagonal.h"
 #include "mesh/vertex_tree.h"
 #include "script/facts.h"
@@ -51,7 +51,7 @@ MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& c
       reflection_(meshgraft::reflection(symmetry.plane, location_ + ".normal")),
       tolerance_rel_(symmetry.tolerance_rel),
       diagonal_(box_diagonal(context.mesh.positions)),
-      partner_(static_cast<std::size_t>(context.mesh.vertex_count()), -1),
+      partner_(context.mesh.vertex_count(), -1),
       distance_(partner_.size(), -1.0) {
   const Points& positions = context.mesh.positions;
   const std::vector<Index> candidates = candidates_of(context);

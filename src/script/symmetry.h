@@ -7,11 +7,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/fact.h>
-#include <meshgraft/deform/handle.h>
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/script/edit_file.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/select/selection.h>
+
+#include "resolve_deform.h"
 
 namespace meshgraft {
 
@@ -32,7 +33,7 @@ class MirrorMatch {
 
   /// Returns the vertex nearest to the mirror image of `v`. Returns -1 where none is within tolerance, or `v`
   /// belongs to no face.
-  Index partner(Index v) const { return partner_[static_cast<std::size_t>(v)]; }
+  Index partner(Index v) const { return partner_[v]; }
 
   /// Returns the partner of `v`. Throws Error(input), naming `where`, where there is none: with the id
   /// script.vertex_without_mirror_image if a larger tolerance finds one, else script.vertex_not_mirrored.
@@ -61,7 +62,7 @@ class MirrorMatch {
   void require_partners(const Handle& handle, const std::string& where) const;
   void require_face(Index v, const std::string& where) const;
   Lack lack_of(const std::vector<Index>& vertices) const;
-  double image_distance(Index v) const { return distance_[static_cast<std::size_t>(v)]; }
+  double image_distance(Index v) const { return distance_[v]; }
 
   const SelectionContext& context_;
   std::string location_;

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
 
+#include "baselines/baselines.h"
 #include "baselines/methods.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/baselines/baselines.h>
 #include <meshgraft/deform/deformer.h>
 
+#include "baselines/baselines.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 

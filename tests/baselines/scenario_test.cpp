@@ -11,12 +11,13 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include <meshgraft/baselines/baselines.h>
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
-#include <meshgraft/io/selection_files.h>
 #include <meshgraft/select/selection.h>
+
+#include "baselines/baselines.h"
+#include "io/selection_files.h"
 
 namespace meshgraft::test {
 namespace {

@@ -166,8 +166,8 @@ TEST_F(CommandLine, SaysWhyALoopCannotBeMerged) {
        "loop 0 of the source (three.obj) cannot be merged: 1 edge has more than two faces, on the loop, "
        "first at vertices 0, 1. Take faces away");
   says("merge moebius.obj body.obj" + to,
-       "loop 0 of the target (moebius.obj) cannot be merged: 1 edge has two faces that are wound against each "
-       "other, on the loop, first at vertices 0, 1. Make the faces' orientation consistent");
+       "loop 0 of the target (moebius.obj) cannot be merged: 1 edge has two faces that are oriented "
+       "inconsistently, on the loop, first at vertices 0, 1. Make the faces' orientation consistent");
   says(merge + "points.obj" + to, "the source (points.obj) has no faces. Export it");
   says("cut points.obj --plane x=0.5" + to, "the mesh has no faces");
   says("info points.obj", "none, there are no faces");

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/fact.h>
 
 #include "cli/facts.h"
 #include "cli/wording.h"

@@ -1,4 +1,3 @@
-#include <meshgraft/core/memory.h>
 
 #include <cstdint>
 #include <filesystem>
@@ -7,6 +6,8 @@
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "core/memory.h"
 
 namespace meshgraft::test {
 namespace {

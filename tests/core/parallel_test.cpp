@@ -1,4 +1,3 @@
-#include <meshgraft/core/parallel.h>
 
 #include <atomic>
 #include <cstddef>
@@ -14,6 +13,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
+
+#include "core/parallel.h"
 
 namespace meshgraft {
 namespace {

@@ -14,8 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/core/memory.h>
-
+#include "core/memory.h"
 #include "core/platform/file.h"
 #include "core/platform/interrupt.h"
 #include "core/platform/memory.h"

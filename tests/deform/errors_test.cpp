@@ -9,7 +9,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/proxy.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"

@@ -1,4 +1,4 @@
-#include <meshgraft/deform/handle.h>
+#include <meshgraft/deform/deform_problem.h>
 
 #include <cmath>
 #include <numbers>

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 
 namespace meshgraft::test {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 
 #include "../../src/mesh/triangle_intersection.h"
 #include "support/cgal_intersections.h"

@@ -1,4 +1,4 @@
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,6 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/quality.h>
 
 #include "support/mesh_families.h"
 

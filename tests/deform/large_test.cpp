@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/memory_estimate.h>
 
+#include "deform/setup/memory_estimate.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 #include "support/variants.h"

@@ -13,7 +13,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/live_deformer.h>
-#include <meshgraft/deform/reduced_frames.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"

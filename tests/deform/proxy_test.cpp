@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/deform/proxy.h>
 #include <meshgraft/deform/quality.h>
+#include <meshgraft/deform/quick_frames.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "support/defects.h"

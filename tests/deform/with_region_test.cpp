@@ -11,8 +11,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/handle_basis.h>
-#include <meshgraft/deform/reduced_frames.h>
+#include <meshgraft/deform/quick_frames.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 

@@ -92,8 +92,8 @@ void ask_all_of_grafting(Page& page) {
 
 TEST(Protocol, TakesLocationsApart) {
   const auto parts = [](const char* location) {
-    const editor::ErrorLocation parts = editor::parts_of_location(location);
-    return std::pair(parts.step ? static_cast<int>(*parts.step) : -1, parts.rest);
+    const editor::ErrorLocation found = editor::parts_of_location(location);
+    return std::pair(found.step ? static_cast<int>(*found.step) : -1, found.rest);
   };
   EXPECT_EQ(parts("edit: steps[12].handles[0].pose"), std::pair(12, std::string("handles[0].pose")));
   EXPECT_EQ(parts("edit: steps[0].pairs[1]: source_loop"), std::pair(0, std::string("pairs[1]: source_loop")));

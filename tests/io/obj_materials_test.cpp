@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/join.h>
-#include <meshgraft/mesh/refine.h>
 
+#include "mesh/join.h"
+#include "mesh/refine.h"
 #include "obj_files.h"
 #include "temporary_folder.h"
 

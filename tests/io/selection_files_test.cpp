@@ -1,4 +1,3 @@
-#include <meshgraft/io/selection_files.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +12,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
+
+#include "io/selection_files.h"
 
 namespace meshgraft {
 namespace {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/io/textures.h>
-#include <meshgraft/mesh/join.h>
 
+#include "io/textures.h"
+#include "mesh/join.h"
 #include "temporary_folder.h"
 
 namespace meshgraft::test {

@@ -1,4 +1,3 @@
-#include <meshgraft/linalg/blas.h>
 
 #include <memory>
 #include <set>
@@ -9,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 #include "linalg/blas_threads.h"
 #include "matrix_families.h"

@@ -7,7 +7,6 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/linalg/sparse.h>
 #include <meshgraft/samples/samples.h>
 
 #include "matrix_families.h"

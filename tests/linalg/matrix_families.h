@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/linalg/sparse.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "linalg/sparse_products.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 namespace meshgraft {
 

@@ -1,4 +1,4 @@
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 #include <algorithm>
 #include <array>

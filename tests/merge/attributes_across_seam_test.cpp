@@ -1,4 +1,3 @@
-#include <meshgraft/merge/seam.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "merge/seam.h"
 #include "merge/seam_grafts.h"
 
 namespace meshgraft::test {

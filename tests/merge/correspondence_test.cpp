@@ -1,4 +1,4 @@
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 
 #include <algorithm>
 #include <cmath>

@@ -7,10 +7,11 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/merge/correspondence.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
+
+#include "mesh/interpolate_attribute.h"
 
 /// Meshes for grafts whose result is known: one surface in two pieces.
 namespace meshgraft::test {

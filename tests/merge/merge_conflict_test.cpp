@@ -1,8 +1,9 @@
-#include <meshgraft/merge/merge_conflict.h>
 
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "merge/merge_conflict.h"
 
 namespace meshgraft {
 namespace {

@@ -14,11 +14,11 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/winding.h>
 #include <meshgraft/samples/samples.h>
 
 #include "merge/cut_halves.h"
 #include "merge/grafts.h"
+#include "mesh/winding.h"
 #include "support/scene_edits.h"
 
 namespace meshgraft::test {

@@ -1,4 +1,3 @@
-#include <meshgraft/merge/open_hole.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +8,11 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/drop.h>
+#include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
+
+#include "merge/open_hole.h"
 
 namespace meshgraft {
 namespace {

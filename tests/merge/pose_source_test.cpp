@@ -1,10 +1,10 @@
-#include <meshgraft/merge/pose_source.h>
 
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "merge/pose_source.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {

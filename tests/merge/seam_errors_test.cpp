@@ -1,4 +1,3 @@
-#include <meshgraft/merge/seam.h>
 
 #include <cmath>
 #include <limits>
@@ -9,8 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 
+#include "merge/seam.h"
 #include "merge/seam_grafts.h"
 
 namespace meshgraft::test {

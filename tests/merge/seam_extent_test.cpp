@@ -1,8 +1,8 @@
 // A seam leaves vertices and sharp edges beyond its rings in place.
-#include <meshgraft/merge/seam.h>
 
 #include <gtest/gtest.h>
 
+#include "merge/seam.h"
 #include "merge/seam_grafts.h"
 
 namespace meshgraft::test {

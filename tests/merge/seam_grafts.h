@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/merge/correspondence.h>
-#include <meshgraft/merge/seam.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
 #include "merge/cut_halves.h"
+#include "merge/seam.h"
 #include "mesh/shapes.h"
 #include "support/mesh_families.h"
 

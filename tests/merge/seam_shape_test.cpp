@@ -1,5 +1,4 @@
 // Triangles of a seam are well shaped, and its bend goes on from target to source.
-#include <meshgraft/merge/seam.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "merge/seam.h"
 #include "merge/seam_grafts.h"
 #include "mesh/shapes.h"
 #include "support/mesh_families.h"

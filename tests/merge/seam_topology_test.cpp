@@ -1,5 +1,4 @@
 // A seam is watertight, and every vertex has its image.
-#include <meshgraft/merge/seam.h>
 
 #include <set>
 #include <span>
@@ -7,10 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/merge/correspondence.h>
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "merge/cut_halves.h"
+#include "merge/seam.h"
 #include "merge/seam_grafts.h"
 #include "mesh/shapes.h"
 #include "support/mesh_families.h"

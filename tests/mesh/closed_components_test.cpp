@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/winding.h>
 
+#include "mesh/winding.h"
 #include "support/defects.h"
 #include "support/mesh_families.h"
 

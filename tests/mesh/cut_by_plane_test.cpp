@@ -11,10 +11,10 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/sound_mesh.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "cut_cases.h"
+#include "mesh/sound_mesh.h"
 #include "shapes.h"
 #include "support/mesh_families.h"
 

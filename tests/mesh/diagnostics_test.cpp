@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/winding.h>
 
 #include "mesh/shapes.h"
+#include "mesh/winding.h"
 #include "support/defects.h"
 #include "support/mesh_families.h"
 

@@ -1,9 +1,10 @@
-#include <meshgraft/mesh/interpolate_attribute.h>
 
 #include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
 namespace {

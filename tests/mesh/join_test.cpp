@@ -1,4 +1,3 @@
-#include <meshgraft/mesh/join.h>
 
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "mesh/join.h"
 #include "mesh/shapes.h"
 
 namespace meshgraft {

@@ -1,4 +1,3 @@
-#include <meshgraft/mesh/refine.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "mesh/refine.h"
 #include "mesh/shapes.h"
 
 namespace meshgraft {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/winding.h>
 
 #include "mesh/repair/repair_surface.h"
+#include "mesh/winding.h"
 #include "shapes.h"
 #include "support/defects.h"
 #include "support/mesh_families.h"

@@ -1,4 +1,3 @@
-#include <meshgraft/mesh/sound_mesh.h>
 
 #include <algorithm>
 
@@ -6,6 +5,7 @@
 
 #include <meshgraft/mesh/diagnostics.h>
 
+#include "mesh/sound_mesh.h"
 #include "support/defects.h"
 #include "support/mesh_families.h"
 

@@ -9,9 +9,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/mesh/refine.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "mesh/refine.h"
 #include "mesh/shapes.h"
 
 namespace meshgraft {

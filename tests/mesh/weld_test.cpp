@@ -1,4 +1,3 @@
-#include <meshgraft/mesh/weld.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "mesh/shapes.h"
+#include "mesh/weld.h"
 
 namespace meshgraft {
 namespace {

@@ -1,4 +1,3 @@
-#include <meshgraft/mesh/winding.h>
 
 #include <cmath>
 #include <numbers>
@@ -7,6 +6,7 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "mesh/winding.h"
 #include "shapes.h"
 #include "support/mesh_families.h"
 

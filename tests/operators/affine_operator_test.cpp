@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/operators/laplacian.h>
 
+#include "operators/laplacian.h"
 #include "operators/smoothness_pairs.h"
 #include "support/mesh_families.h"
 

@@ -115,7 +115,7 @@ class CheckLayers(unittest.TestCase):
             'open("http://a", "/dev/null");  // quiet': "/dev/null",
             "if (setenv(name, value, 1) != 0) return;": "setenv",
         }.items():
-            for source in ("src/io/file.cpp", "cli/edit.cpp", "include/meshgraft/core/memory.h"):
+            for source in ("src/io/file.cpp", "cli/edit.cpp", "include/meshgraft/core/context.h"):
                 self.assert_one({source: "\n" + line + "\n"}, f"{source}:2", f"has {use};", "src/core/platform")
             self.assertEqual(self.violations({"src/core/platform/posix/file.cpp": line + "\n"}), [])
 

@@ -1,4 +1,3 @@
-#include <meshgraft/script/compare.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
+
+#include "baselines/baselines.h"
+#include "script/compare.h"
 
 namespace meshgraft {
 namespace {

@@ -7,10 +7,10 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "mesh/join.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {

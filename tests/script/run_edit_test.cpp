@@ -1,4 +1,3 @@
-#include <meshgraft/deform/memory_estimate.h>
 #include <meshgraft/script/run_edit.h>
 
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "deform/setup/memory_estimate.h"
 #include "script/sha256.h"
 
 namespace meshgraft {

@@ -12,12 +12,12 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/merge/pose_source.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/script/edit_file.h>
-#include <meshgraft/script/resolve_deform.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "merge/pose_source.h"
+#include "script/resolve_deform.h"
 #include "script/symmetry.h"
 #include "support/mesh_families.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 
 #include "support/mesh_families.h"
 

@@ -8,9 +8,9 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/winding.h>
 #include <meshgraft/samples/samples.h>
 
+#include "mesh/winding.h"
 #include "support/defects.h"
 
 namespace meshgraft::test {
@@ -66,7 +66,7 @@ std::vector<DirtyScan> dirty_scans() {
   add("head-ascii-soup", "a soup with coordinates of 5 digits, open at the neck", rounded(as_soup(head), 5));
   add("cactus-holes", "9 faces and 6 patches are missing",
       without_faces(without_faces(cactus, 9, 0, 2), 6, 1, 3));
-  add("knot-turned-patches", "8 patches are wound the other way", with_turned_patches(knot, 8, 3, 4));
+  add("knot-turned-patches", "8 patches are oriented the other way", with_turned_patches(knot, 8, 3, 4));
   add("octopus-inside-out", "all faces point inward", plain(turned_over(octopus)));
   add("torus-needles", "20 pairs of vertices 1e-13 apart, needles between them", with_needles(torus, 20, 5));
   add("bust-caps", "20 triangles without area across the middle of an edge", with_caps(bust, 20, 6));

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 #include <meshgraft/mesh/topology.h>
 
 namespace meshgraft::test {

@@ -8,9 +8,9 @@
 #include <Eigen/QR>
 #include <Eigen/SparseCore>
 
-#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/mesh/mesh.h>
-#include <meshgraft/operators/options.h>
+#include <meshgraft/operators/affine_operator.h>
 
 namespace meshgraft::test {
 

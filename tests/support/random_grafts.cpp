@@ -16,11 +16,13 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/merge/pose_source.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
+
+#include "merge/pose_source.h"
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft::test {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 
 namespace meshgraft::test {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/operators/options.h>
+#include <meshgraft/operators/affine_operator.h>
 
 namespace meshgraft::test {
 

@@ -1,14 +1,107 @@
 #pragma once
 
+#include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-
-#include <meshgraft/core/fact.h>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace meshgraft {
+
+enum class ErrorCode;
+
+/// Kinds of values that a field of a fact may have. A text comes from the user's data; a word is an identifier
+/// of a closed list.
+enum class FieldKind { integer, number, text, integers, numbers, texts, word };
+
+/// A value of a field. The alternatives are in the order of FieldKind; a word is a string.
+using FieldValue = std::variant<std::int64_t, double, std::string, std::vector<std::int64_t>,
+                                std::vector<double>, std::vector<std::string>>;
+
+/// A word that a field of the kind `word` may have.
+struct FieldWord {
+  std::string_view name;  ///< stable identifier, e.g. "write"
+  std::string_view text;  ///< the word in the library's sentences, e.g. "written"
+};
+
+/// A field of a fact.
+struct FieldType {
+  std::string_view name;
+  FieldKind kind;
+  std::span<const FieldWord> words{};  ///< all that a field of the kind `word` may have
+};
+
+/// A class of facts: one row of a layer's table (src/LAYER/facts.json). docs/facts.md lists all of them.
+struct FactType {
+  std::string_view id;            ///< stable name, "layer.cause", e.g. "merge.start_unclear"
+  std::optional<ErrorCode> code;  ///< code of the errors of this class; none for notes
+  std::span<const FieldType> fields;
+  /// Sentence in the terms of the library: the problem of an error, the text of a note. "{name}" stands for the
+  /// value of a field.
+  std::string_view text;
+  std::string_view remedy;  ///< what the caller can do, with fields likewise; may be empty
+};
+
+/// Holds what an error or a note says, apart from any sentence: a class and the values of its fields. An
+/// interface of the product words facts in its own terms (`fill_in`). The texts here are those of the library.
+class Fact {
+ public:
+  /// `values` are in the order of the class's fields. `type` must outlive the fact; the tables' types always
+  /// do.
+  Fact(const FactType& type, std::vector<FieldValue> values) : type_(&type), values_(std::move(values)) {}
+
+  const FactType& type() const noexcept { return *type_; }
+  std::string_view id() const noexcept { return type_->id; }
+  /// Returns the values, in the order of `type().fields`.
+  const std::vector<FieldValue>& values() const noexcept { return values_; }
+  /// Returns the value of the field with this name and kind. Throws std::out_of_range if there is none.
+  template <class T>
+  const T& get(std::string_view field) const {
+    return std::get<T>(value(field));
+  }
+  const FieldValue& value(std::string_view field) const;
+
+  /// Returns the library's sentence and remedy with the values filled in.
+  std::string text() const;
+  std::string remedy() const;
+
+  friend bool operator==(const Fact& a, const Fact& b) {
+    return a.type_->id == b.type_->id && a.values_ == b.values_;
+  }
+
+ private:
+  const FactType* type_;
+  std::vector<FieldValue> values_;
+};
+
+/// A fact about a result that is no error.
+using Note = Fact;
+
+/// Returns `text` with each "{name}" or "{name:format}" replaced by the fact's field of this name. Formats are
+/// those of the C++ standard library, and of integers "{n:face|faces}", which writes "1 face" or "3 faces".
+/// Elements of a list are separated by ", ". A word is replaced by its text.
+std::string fill_in(std::string_view text, const Fact& fact);
+
+/// Holds the words of an interface for a fact: the problem or the note, and what the reader can do, which may
+/// be empty.
+struct Words {
+  std::string text, remedy;
+};
+
+/// Words facts in the terms of one interface of the product.
+using Wording = std::function<Words(const Fact&)>;
+
+/// Words facts in the terms of the library: `Fact::text` and `Fact::remedy`.
+Words library_words(const Fact& fact);
+
+/// Returns all classes of facts that the library knows, in the order of their layers and ids.
+std::span<const FactType* const> fact_types();
 
 /// Kinds of errors. One table (`exit_status`) maps them to the exit status of the command line; the other
 /// interfaces of the product use the same codes.

@@ -5,12 +5,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/deform/constraints.h>
 #include <meshgraft/deform/deform_problem.h>
-#include <meshgraft/deform/figures.h>
-#include <meshgraft/deform/handle.h>
-#include <meshgraft/deform/options.h>
-#include <meshgraft/deform/region.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/operators/affine_operator.h>
 

@@ -9,10 +9,9 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/core/error.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/handle.h>
-#include <meshgraft/deform/handle_basis.h>
-#include <meshgraft/deform/reduced_frames.h>
+#include <meshgraft/deform/quick_frames.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

@@ -1,15 +1,47 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string_view>
+#include <variant>
 #include <vector>
 
-#include <meshgraft/deform/deformer.h>
-#include <meshgraft/merge/correspondence.h>
-#include <meshgraft/merge/seam.h>
+#include <Eigen/Core>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
+
+/// A source loop and the target loop it meets (FT05 section 5). Each lists all vertices of a boundary loop,
+/// from any vertex on. Their order is the direction of their own mesh's half-edges (surface on the left, seen
+/// from outside), so that the two loops run opposite ways.
+struct LoopPair {
+  std::vector<Index> source, target;
+};
+
+/// A source loop vertex and the target loop vertex it meets.
+struct Match {
+  Index source = -1, target = -1;
+};
+
+/// A pair whose loops fit about as well from several starts.
+struct OpenStart {
+  std::size_t pair = 0;  ///< index of the pair
+  /// The start that turns the source least from its given pose, as vertices of the meshes.
+  Match least_turned;
+  double confidence = 0;  ///< 0 … 1, confidence of the start that fits best
+};
+
+/// Returns the ambiguous pairs that a fact merge.open_start lists, at least one, in the order of pairs. Throws
+/// std::out_of_range for other facts.
+std::vector<OpenStart> open_starts(const Fact& fact);
+
+/// A plane through `point`; the normal need not have unit length.
+struct MirrorPlane {
+  Eigen::Vector3d point, normal;
+};
 
 /// The origin of the source's position, orientation and scale.
 enum class MergePose {
@@ -40,6 +72,23 @@ struct MergeFeature {
   bool similarity = true;  ///< a similarity; else any affine map
 };
 
+/// Methods to fill the gap between two loops with triangles.
+enum class StripMethod {
+  greedy,   ///< from the closest pair on, always the better one of the next two triangles (FT05 section 5)
+  optimal,  ///< the strip of least total cost (dynamic programming)
+};
+
+struct SeamOptions {
+  StripMethod strip = StripMethod::optimal;
+  /// Bound of edge lengths of the target's loop / the source's mean edge length. The target's ring at the seam
+  /// is halved until this holds.
+  double edge_ratio = 2;
+  int smoothing_steps = 2;      ///< fairings of the band, each a linear solve; 0 leaves it unchanged
+  int target_rings = 3;         ///< rings of the target that they may move; 0 leaves it unchanged bit for bit
+  int source_rings = 3;         ///< rings of the source that they may move
+  double sharp_angle_deg = 45;  ///< edges of the target sharper than this do not move
+};
+
 struct MergePair {
   LoopPair loops;
   std::vector<Match> matches;  ///< none: found automatically; one: the start; more: arc length between them
@@ -59,6 +108,20 @@ struct MergeOptions {
   /// bend does.
   DeformerOptions deformer{.iterations = 60};
   SeamOptions seam{};
+};
+
+/// Location, size and turn of a source that is put onto a surface without a hole.
+struct Drop {
+  /// A vertex of the target, or a point that stands for the nearest point of the surface.
+  std::variant<Index, Eigen::Vector3d> surface_point;
+  /// Approximate scale of the source. Absent: 1 if its loop has room there and the source stands clear of the
+  /// target. Otherwise it is the largest of 0.7, 0.5, 0.35, … with which both hold.
+  std::optional<double> size{};
+  /// Turn about the target's normal, right hand, degrees. At 0 the source is turned as little as possible
+  /// from its orientation in its own coordinates.
+  double spin_deg = 0;
+  /// The boundary loop of the source that meets the surface, listed whole and in order.
+  std::vector<Index> source_loop{};
 };
 
 }  // namespace meshgraft

@@ -7,7 +7,6 @@
 #include <Eigen/Core>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

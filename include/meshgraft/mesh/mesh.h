@@ -98,6 +98,12 @@ struct Mesh {
 /// Makes a mesh of triangles without attributes from n×3 positions and m×3 triangles.
 Mesh make_mesh(const Points& positions, const Triangles& triangles);
 
+/// The origin of an element of a new mesh between two old ones: (1 − t)·from + t·to.
+struct EdgePoint {
+  Index from = -1, to = -1;
+  double t = 0;
+};
+
 /// The new indices of the elements of an old mesh: `new_index[old]`, or -1 where one was removed.
 struct IndexMap {
   std::vector<Index> new_index;

@@ -49,6 +49,17 @@ std::vector<std::vector<Index>> boundary_loops(const Mesh& mesh);
 /// not null.
 std::vector<Index> connected_components(const Mesh& mesh, Index* count = nullptr);
 
+/// Boundary vertices at exactly the same position. They are copies of one point, made by a soup (every face
+/// with vertices of its own) or by a seam (of UVs, of hard edges, of a material).
+struct Weld {
+  /// Per vertex: the smallest vertex at its position; empty if none coincide.
+  std::vector<Index> representative;
+  Index copies = 0;  ///< vertices with another vertex as representative
+
+  bool empty() const { return representative.empty(); }
+  Index of(Index vertex) const { return empty() ? vertex : representative[vertex]; }
+};
+
 /// The results of `vertex_rings` (of the faces), `connected_components` and `boundary_loops`, computed from
 /// one table of edges.
 struct Connectivity {

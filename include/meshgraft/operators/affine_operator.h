@@ -3,16 +3,89 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/operators/constraint_mask.h>
-#include <meshgraft/operators/options.h>
 
 namespace meshgraft {
+
+/// Ring weights w_ij (FT05 equation 2).
+enum class WeightScheme { uniform, cotangent };
+
+/// Weighting of the energy's rows: equal for all rows (`ft05`), or so that the same shape gives the same
+/// result however finely it is triangulated (`aware`).
+enum class Density { ft05, aware };
+
+/// Treatments of a flat ring, where P Pᵀ is (nearly) singular.
+enum class DegenerateTreatment {
+  automatic,   ///< the one that measured better: apex
+  ft05_noise,  ///< move the vertex off its plane, solve, move back (FT05 section 3.2)
+  apex,        ///< an extra unknown above each vertex
+};
+
+struct OperatorOptions {
+  WeightScheme weights = WeightScheme::uniform;
+  Density density = Density::aware;
+  DegenerateTreatment degenerate = DegenerateTreatment::automatic;
+  double apex_height_rel = 0.5;    ///< × mean incident edge length
+  double noise_length_rel = 0.25;  ///< × mean incident edge length
+  /// Ratio of smallest to largest eigenvalue of P Pᵀ below which a ring counts as flat.
+  double flatness = 5e-5;
+  std::uint64_t seed = 1;  ///< seed of the noise's signs
+  /// Weight λ of the energy λ E_L + E_R; 1 in FT05 (docs/method.md explains the default).
+  double laplacian_weight = 20;
+  /// SF has the pairs opposite across an edge in addition to the edges, as in FT05.
+  bool opposite_pairs = true;
+  int laplacian_order = 1;  ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
+};
+
+/// Throws Error(input) with the id core.out_of_range, at the field, if a value is out of its range.
+void validate(const OperatorOptions& options);
+
+std::string_view to_string(WeightScheme value);
+std::string_view to_string(Density value);
+std::string_view to_string(DegenerateTreatment value);
+
+/// The parts of each vertex that are known before a solve, or shared with others. The vertices are those of a
+/// mesh or of a patch of it. The mask has no values and no order; the solvers get both with the constraints.
+struct ConstraintMask {
+  Flags position;              ///< 1 where the position is known
+  Flags transform;             ///< 1 where the local transform is known
+  std::vector<Index> feature;  ///< index of the vertex's feature, or -1
+  Flags anchored;              ///< 1 where a soft row draws the vertex to a target
+
+  /// Makes a mask of no vertices, which an `AffineOperator` takes for a mesh without constraints.
+  ConstraintMask() = default;
+  /// Makes a mask of `count` vertices without features and anchors. All their positions and transforms are
+  /// known, or none.
+  ConstraintMask(Index count, bool known)
+      : position(count, known), transform(count, known), feature(count, -1), anchored(count, 0) {}
+
+  Index size() const { return static_cast<Index>(position.size()); }
+
+  /// Returns whether the solve has to find the position or the transform.
+  bool is_unknown(Index v) const { return !position[v] || !transform[v]; }
+  /// Returns whether the local map is fitted to positions. Other maps are known or shared by a feature.
+  bool is_fitted(Index v) const { return !transform[v] && feature[v] < 0; }
+  /// Returns whether `DegenerateTreatment::ft05_noise` may move the vertex off its plane.
+  bool is_movable(Index v) const { return !position[v] && is_fitted(v); }
+
+  /// Returns the mask of the given vertices alone, in their order.
+  ConstraintMask of(std::span<const Index> vertices) const {
+    ConstraintMask some(static_cast<Index>(vertices.size()), false);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      some.position[i] = position[vertices[i]];
+      some.transform[i] = transform[vertices[i]];
+      some.feature[i] = feature[vertices[i]];
+      some.anchored[i] = anchored[vertices[i]];
+    }
+    return some;
+  }
+};
 
 /// The nodes that local maps are fitted to: the mesh's vertices, then one apex for each vertex that has one.
 struct StencilNodes {

@@ -11,11 +11,9 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/core/fact.h>
-#include <meshgraft/deform/deformer.h>
-#include <meshgraft/deform/handle.h>
+#include <meshgraft/core/error.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/merge/merge_options.h>
-#include <meshgraft/merge/pose_source.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/select/selection.h>
@@ -45,32 +43,13 @@ struct EditSelection {
   struct Produced {
     std::string step, what;
   };
-  struct Grow {
-    Child of;
-    int rings = 0;
-  };
-  struct GrowLength {
-    Child of;
-    double length = 0;
-  };
-  struct Union {
-    std::vector<EditSelection> of;
-  };
-  struct Minus {
-    std::vector<EditSelection> of;
-  };
-  struct Intersect {
-    std::vector<EditSelection> of;
-  };
-  struct Mirror {
-    Child of;
-    Eigen::Vector3d point, normal;
-    double tolerance_rel = 1e-3;
-  };
-  struct Rim {
-    Child of;
-    int rings = 1;
-  };
+  using Grow = SelectionOperations<EditSelection>::Grow;
+  using GrowLength = SelectionOperations<EditSelection>::GrowLength;
+  using Union = SelectionOperations<EditSelection>::Union;
+  using Minus = SelectionOperations<EditSelection>::Minus;
+  using Intersect = SelectionOperations<EditSelection>::Intersect;
+  using Mirror = SelectionOperations<EditSelection>::Mirror;
+  using Rim = SelectionOperations<EditSelection>::Rim;
 
   using Kind =
       std::variant<Selection::All, Selection::Indices, Selection::Box, Selection::Sphere, Selection::HalfSpace,

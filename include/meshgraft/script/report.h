@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/fact.h>
-#include <meshgraft/deform/deformer.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/merge/merge.h>
@@ -16,10 +17,24 @@
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/edit_file.h>
-#include <meshgraft/script/method.h>
-#include <meshgraft/script/resolve_deform.h>
 
 namespace meshgraft {
+
+/// A published method, for comparison; `method_named` knows their names.
+enum class Baseline;
+
+/// The method that solves an edit: one of this library's methods, or a published one for comparison.
+using Method = std::variant<DeformMethod, Baseline>;
+
+/// Returns the name, such as "corotational" or "arap-2007".
+std::string_view to_string(const Method& value);
+
+/// Returns this library's methods, then the published ones.
+std::vector<Method> all_methods();
+
+/// Returns the method of that name. Throws Error(usage), listing the known names and the nearest one, for any
+/// other name.
+Method method_named(std::string_view name);
 
 /// Wall-clock seconds per stage.
 struct StageSeconds {
@@ -48,6 +63,15 @@ struct ProxyFacts {
   Index vertices = 0;       ///< vertices of the proxy, including those around the region
   Index free_vertices = 0;  ///< proxy vertices whose position was solved for
   double spacing = 0;       ///< edge length for which the proxy was made, model units
+};
+
+/// Handles and vertices that the symmetry of a step concerns.
+struct SymmetryFacts {
+  Eigen::Affine3d reflection = Eigen::Affine3d::Identity();
+  /// Per twin: index of its handle; twins come after all handles of the step.
+  std::vector<std::size_t> twin_of;
+  std::vector<std::size_t> own;  ///< indices of handles that are their own mirror image
+  Index without_partner = 0;     ///< vertices of the region without a mirror partner
 };
 
 /// Results of a merge step other than the mesh.

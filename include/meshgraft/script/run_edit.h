@@ -8,7 +8,6 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/script/edit_file.h>
-#include <meshgraft/script/method.h>
 #include <meshgraft/script/report.h>
 
 namespace meshgraft {

@@ -11,7 +11,6 @@
 
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/mesh/weld.h>
 
 namespace meshgraft {
 
@@ -24,6 +23,44 @@ struct SelectionContext {
   IndexLists rings;                       ///< vertex rings over the polygons' edges
   std::vector<Index> components;          ///< per vertex: connected component, or -1 for isolated vertices
   std::vector<std::vector<Index>> loops;  ///< boundary loops in the order of `boundary_loops`
+};
+
+/// Operations on vertex sets, whose operands are described by `S`.
+template <class S>
+struct SelectionOperations {
+  /// `of`, grown by `rings` rings of edges. A negative number removes the vertices within that many edges of
+  /// a vertex outside `of`.
+  struct Grow {
+    std::shared_ptr<const S> of;
+    int rings = 0;
+  };
+  /// `of` and the vertices within `length` of it along edges.
+  struct GrowLength {
+    std::shared_ptr<const S> of;
+    double length = 0;
+  };
+  struct Union {
+    std::vector<S> of;
+  };
+  /// The first selection without the others.
+  struct Minus {
+    std::vector<S> of;
+  };
+  struct Intersect {
+    std::vector<S> of;
+  };
+  /// The vertices nearest to the mirror images of `of`. An image is dropped if its nearest vertex is farther
+  /// than `tolerance_rel` × the diagonal of the mesh's bounding box.
+  struct Mirror {
+    std::shared_ptr<const S> of;
+    Eigen::Vector3d point, normal;
+    double tolerance_rel = 1e-3;
+  };
+  /// The vertices of `of` within `rings` edges of a vertex outside it.
+  struct Rim {
+    std::shared_ptr<const S> of;
+    int rings = 1;
+  };
 };
 
 /// A description of a vertex set: by index, by geometry, by connectivity, or as a combination of others. It
@@ -69,39 +106,13 @@ class Selection {
     std::vector<Eigen::Vector3d> points;
     bool closed = false;
   };
-  /// `of`, grown by `rings` rings of edges. A negative number removes the vertices within that many edges of
-  /// a vertex outside `of`.
-  struct Grow {
-    std::shared_ptr<const Selection> of;
-    int rings = 0;
-  };
-  /// `of` and the vertices within `length` of it along edges.
-  struct GrowLength {
-    std::shared_ptr<const Selection> of;
-    double length = 0;
-  };
-  struct Union {
-    std::vector<Selection> of;
-  };
-  /// The first selection without the others.
-  struct Minus {
-    std::vector<Selection> of;
-  };
-  struct Intersect {
-    std::vector<Selection> of;
-  };
-  /// The vertices nearest to the mirror images of `of`. An image is dropped if its nearest vertex is farther
-  /// than `tolerance_rel` × the diagonal of the mesh's bounding box.
-  struct Mirror {
-    std::shared_ptr<const Selection> of;
-    Eigen::Vector3d point, normal;
-    double tolerance_rel = 1e-3;
-  };
-  /// The vertices of `of` within `rings` edges of a vertex outside it.
-  struct Rim {
-    std::shared_ptr<const Selection> of;
-    int rings = 1;
-  };
+  using Grow = SelectionOperations<Selection>::Grow;
+  using GrowLength = SelectionOperations<Selection>::GrowLength;
+  using Union = SelectionOperations<Selection>::Union;
+  using Minus = SelectionOperations<Selection>::Minus;
+  using Intersect = SelectionOperations<Selection>::Intersect;
+  using Mirror = SelectionOperations<Selection>::Mirror;
+  using Rim = SelectionOperations<Selection>::Rim;
 
   using Kind = std::variant<All, Indices, Box, Sphere, HalfSpace, Component, Loop, NearestVertex, Path, Grow,
                             GrowLength, Union, Minus, Intersect, Mirror, Rim>;

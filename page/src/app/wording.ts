@@ -452,7 +452,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
     problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "vertex joins", "vertices join")} separate fans of faces, on the loop, first at vertices ${vertices.join(", ")}`,
   }),
   "script.loop_wound_inconsistently": ({ loop, mesh, count, vertices }) => ({
-    problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "edge has", "edges have")} two faces that are wound against each other, on the loop, first at vertices ${vertices.join(", ")}`,
+    problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "edge has", "edges have")} two faces that are oriented inconsistently, on the loop, first at vertices ${vertices.join(", ")}`,
   }),
   "script.match_of_no_pair": ({ target, source }) => ({
     problem: `a match joins loop ${target + 1} of the model and loop ${source + 1} of the part, which are no pair`,

@@ -16,14 +16,14 @@
 
 #include <fmt/format.h>
 
-#include <meshgraft/core/memory.h>
-#include <meshgraft/core/parallel.h>
-#include <meshgraft/deform/memory_estimate.h>
-#include <meshgraft/deform/proxy.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include "core/facts.h"
+#include "core/memory.h"
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "deform/facts.h"
+#include "deform/setup/memory_estimate.h"
 #include "deform/setup/region_mask.h"
 #include "deform/solve/handle_frame.h"
 

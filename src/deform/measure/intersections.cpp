@@ -1,4 +1,4 @@
-#include <meshgraft/deform/intersections.h>
+#include <meshgraft/deform/quality.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,10 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/memory.h>
-#include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "core/memory.h"
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "deform/facts.h"
 #include "deform/setup/free_vertices.h"
@@ -234,15 +234,15 @@ FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::
 // nodes.
 const std::vector<Slab>& FreeSurface::slabs(const Context& context) const {
   std::call_once(slabs_made_, [&] {
-    std::vector<Slab> made(static_cast<std::size_t>(tree_->node_count()));
+    std::vector<Slab> made(tree_->node_count());
     for (const int height : {0, 3, 6}) {
       const Bvh::Node first = tree_->first_leaf() >> height;
       parallel_blocks(
-          static_cast<std::size_t>(first),
+          first,
           [&](std::size_t begin, std::size_t end) {
             for (auto node = first + static_cast<Bvh::Node>(begin); node < first + static_cast<Bvh::Node>(end);
                  ++node)
-              made[static_cast<std::size_t>(node)] = slab_of(node);
+              made[node] = slab_of(node);
           },
           context, 64);
     }

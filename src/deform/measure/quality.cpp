@@ -11,10 +11,9 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/parallel.h>
-#include <meshgraft/deform/intersections.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "core/parallel.h"
 #include "core/percentile.h"
 #include "deform/setup/free_vertices.h"
 #include "mesh/edge_table.h"
@@ -133,7 +132,7 @@ struct FaceMeasure {
 
 std::vector<FaceMeasure> measure_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
                                        const Flags& is_free, const Context& context) {
-  std::vector<FaceMeasure> measures(static_cast<std::size_t>(triangles.rows()));
+  std::vector<FaceMeasure> measures(triangles.rows());
   parallel_blocks(
       measures.size(),
       [&](std::size_t begin, std::size_t end) {

@@ -42,7 +42,7 @@ std::vector<float> roughened(const Points& points, const Points& normals, double
   const Eigen::RowVector3d low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
   const double extent = (high - low).maxCoeff(), scale = extent > 0 ? 1 / extent : 1;
   std::vector<float> coordinates;
-  coordinates.reserve(static_cast<std::size_t>(points.size()));
+  coordinates.reserve(points.size());
   for (Eigen::Index v = 0; v < points.rows(); ++v) {
     const double lift = roughness * edge_length * drawn(static_cast<std::uint64_t>(v));
     const Eigen::RowVector3d lifted = (points.row(v) - low + lift * normals.row(v)) * scale;
@@ -92,7 +92,7 @@ Decimated gather(std::span<const unsigned> corners, Eigen::Index vertex_count) {
     for (const unsigned v : {a, b, c}) kept.push_back(static_cast<Index>(v));
   }
   drop_closed_pockets(kept);
-  std::vector<Index> coarse_index(static_cast<std::size_t>(vertex_count), -1);
+  std::vector<Index> coarse_index(vertex_count, -1);
   for (const Index v : kept) coarse_index[v] = 0;
   Decimated result;
   for (std::size_t v = 0; v < coarse_index.size(); ++v) {

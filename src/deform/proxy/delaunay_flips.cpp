@@ -18,7 +18,7 @@ constexpr double most_fold_cosine = 0.5;  // faces at up to 60° to each other
 class Flipper {
  public:
   Flipper(const Points& points, Triangles& triangles) : points_(points), triangles_(triangles) {
-    faces_at_.reserve(static_cast<std::size_t>(3 * triangles.rows()));
+    faces_at_.reserve(3 * triangles.rows());
     for (Index t = 0; t < triangles.rows(); ++t)
       for (int c = 0; c < 3; ++c) insert(corner(t, c), corner(t, c + 1), t);
   }

@@ -1,4 +1,4 @@
-#include <meshgraft/deform/proxy.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,15 +6,15 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/operators/laplacian.h>
 
 #include "core/facts.h"
+#include "core/parallel.h"
 #include "core/stopwatch.h"
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
 #include "deform/setup/region_mask.h"
+#include "operators/laplacian.h"
 #include "proxy_domain.h"
 #include "skin.h"
 #include "tangential_relaxation.h"
@@ -200,7 +200,7 @@ bool ProxyDeformer::Impl::make_weights(const ProxyDomain& domain, const Decimate
   };
 
   std::vector<Index> bone_of(domain.vertices.size(), -1);  // of constrained vertices
-  Flags is_constrained(static_cast<std::size_t>(rest.rows()), 0);
+  Flags is_constrained(rest.rows(), 0);
   for (const Index v : constrained.vertex) is_constrained[v] = 1;
   for (std::size_t k = 0; k < proxy.vertices.size(); ++k) bone_of[proxy.vertices[k]] = static_cast<Index>(k);
   bone_count = resting_bone() + 1;
@@ -358,7 +358,7 @@ std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> g
   }
   std::vector<Eigen::Matrix3d> map_changes;
   const Points moved = deformer->impl().evaluate_with_maps(of_proxy, map_changes, context, report);
-  std::vector<Bone> result(static_cast<std::size_t>(bone_count), Bone::Zero());
+  std::vector<Bone> result(bone_count, Bone::Zero());
   for (std::size_t k = 0; k < proxy_vertices.size(); ++k) {
     const Eigen::RowVector3d position = rest.row(proxy_vertices[k]);
     result[k] = bone_at(position, moved.row(static_cast<Eigen::Index>(k)) - position, map_changes[k]);

@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "core/parallel.h"
 #include "deform/facts.h"
 #include "deform/setup/ball_walk.h"
 
@@ -26,7 +26,7 @@ struct Neighbourhood {
 Neighbourhood neighbourhood_of_unknown(const Triangles& triangles, const IndexLists& faces_at,
                                        const ConstraintMask& mask, int laplacian_order, Index wanted) {
   const Index n = faces_at.size();
-  Neighbourhood neighbourhood{Flags(static_cast<std::size_t>(n), 0)};
+  Neighbourhood neighbourhood{Flags(n, 0)};
   std::vector<Index> front;
   for (Index v = 0; v < n; ++v) {
     if (!mask.is_unknown(v) || faces_at[v].empty()) continue;
@@ -137,7 +137,7 @@ ProxyDomain make_proxy_domain(const Points& rest, const Triangles& triangles, co
                               const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
   ProxyDomain domain;
-  std::vector<Index> local_index(static_cast<std::size_t>(n), -1);
+  std::vector<Index> local_index(n, -1);
   {
     const IndexLists faces_at = vertex_triangles(n, triangles, context);
     const Neighbourhood neighbourhood =

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/deform/constraints.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 

@@ -5,8 +5,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "deform/setup/ball_walk.h"
 
 namespace meshgraft {
@@ -43,7 +42,7 @@ HitLists by_vertex(Hits per_source, Index vertex_count) {
     for (const Hit& hit : hits) ++lists.offsets[hit.other + 1];
   for (Index v = 0; v < vertex_count; ++v) lists.offsets[v + 1] += lists.offsets[v];
   std::vector<std::int64_t> next(lists.offsets.begin(), lists.offsets.end() - 1);
-  lists.hits.resize(static_cast<std::size_t>(lists.offsets.back()));
+  lists.hits.resize(lists.offsets.back());
   for (std::size_t k = 0; k < per_source.size(); ++k) {
     for (const Hit& hit : per_source[k]) lists.hits[next[hit.other]++] = {static_cast<Index>(k), hit.value};
     per_source[k] = {};
@@ -54,7 +53,7 @@ HitLists by_vertex(Hits per_source, Index vertex_count) {
 class SkinMaker {
  public:
   SkinMaker(SkinProblem problem, const Context& context) : problem_(std::move(problem)), context_(context) {
-    wanted_.assign(static_cast<std::size_t>(problem_.points.rows()), 0);
+    wanted_.assign(problem_.points.rows(), 0);
     for (const Index v : problem_.rows) wanted_[v] = 1;
     for (const Index v : problem_.inner) wanted_[v] = 1;
   }

@@ -47,7 +47,7 @@ Flags flag_outline(const FineSurface& surface, const Decimated& coarse, const In
 class EvenOut {
  public:
   EvenOut(const FineSurface& surface, Decimated& coarse) : surface_(surface), coarse_(coarse) {
-    taken_.assign(static_cast<std::size_t>(surface.points.rows()), 0);
+    taken_.assign(surface.points.rows(), 0);
     for (const Index v : coarse.vertices) taken_[v] = 1;
   }
 

@@ -1,4 +1,4 @@
-#include <meshgraft/deform/handle_basis.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,9 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "core/parallel.h"
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
 #include "deform/solve/handle_frame.h"
@@ -41,13 +41,13 @@ class SolutionRows {
 
   Eigen::RowVectorXd displacement(Index vertex, Index feature) const {
     if (const Index v = system_.patch().local(vertex); v >= 0) return x_.row(v);
-    const Columns rows = system_.feature_rows(static_cast<std::size_t>(feature), y_);
+    const Columns rows = system_.feature_rows(feature, y_);
     const Patch& patch = system_.patch();
     return (system_.rest().row(vertex) - patch.centre) / patch.scale * rows.topRows<3>() + rows.row(3);
   }
   Columns map(Index vertex, Index feature) const {
     if (const Index v = system_.patch().local(vertex); v >= 0) return m_.middleRows<3>(3 * v);
-    return system_.feature_rows(static_cast<std::size_t>(feature), y_).topRows<3>();
+    return system_.feature_rows(feature, y_).topRows<3>();
   }
 
  private:
@@ -293,7 +293,7 @@ HandleBuffers HandleBasis::buffers() const {
   HandleBuffers buffers;
   buffers.centre = centre_;
   buffers.scale = scale_;
-  std::vector<Index> row_of(static_cast<std::size_t>(base_.rows()), -1);
+  std::vector<Index> row_of(base_.rows(), -1);
   buffers.vertices = movers_;
   for (const Handle& handle : handles_)
     if (handle.constrain_position)
@@ -307,7 +307,7 @@ HandleBuffers HandleBasis::buffers() const {
   if (!base_maps_.empty()) buffers.maps.setZero(count, 9);
   buffers.blocks.setZero(count, width * static_cast<Eigen::Index>(handles_.size()));
   for (Eigen::Index k = 0; k < count; ++k) {
-    const Index v = buffers.vertices[static_cast<std::size_t>(k)];
+    const Index v = buffers.vertices[k];
     row_of[v] = static_cast<Index>(k);
     buffers.positions.row(k) = ((base_.row(v) - centre_) / scale_).cast<float>();
     if (has_normals()) buffers.normals.row(k) = normals_.row(v);

@@ -5,8 +5,7 @@
 
 #include <Eigen/QR>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "deform/solve/rotations.h"
 #include "surface_samples.h"
 
@@ -108,8 +107,8 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
   values.rightCols(given_.cols()) = given_;
   for (Eigen::Index k = 0; k < centre_count; ++k) {
-    values(centres_[static_cast<std::size_t>(k)], k) = 1;
-    held[centres_[static_cast<std::size_t>(k)]] = 1;
+    values(centres_[k], k) = 1;
+    held[centres_[k]] = 1;
   }
   const SurfaceFields around_centres(patch.points, system_->triangles(), system_->rings(), system_->cuts(),
                                      held, rotations_->fields().bending(), -1, backend, context);
@@ -119,8 +118,7 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   interpolation_ = cell_means(centre_weights_, 1);
   cell_influence_ = cell_means(blend_weights_, 1);
   centre_influence_.resize(centre_count, given_.cols());
-  for (Eigen::Index k = 0; k < centre_count; ++k)
-    centre_influence_.row(k) = blend_weights_.row(centres_[static_cast<std::size_t>(k)]);
+  for (Eigen::Index k = 0; k < centre_count; ++k) centre_influence_.row(k) = blend_weights_.row(centres_[k]);
 }
 
 /// Reduces smoothing to the samples: smooth(f)(c) = Σ_v g_c(v) a_v f(v), where g_c is the smoothed unit
@@ -134,7 +132,7 @@ void ReducedField::reduce_smoothing(const Context& context) {
     const Eigen::Index columns = std::min(at_once, count - first);
     Columns sources = Columns::Zero(system_->patch().size(), columns);
     for (Eigen::Index k = 0; k < columns; ++k) {
-      const Index centre = centres_[static_cast<std::size_t>(first + k)];
+      const Index centre = centres_[first + k];
       sources(centre, k) = 1 / fields.areas()[centre];
     }
     const Columns g = fields.smooth(sources, Columns::Zero(sources.rows(), columns), context);

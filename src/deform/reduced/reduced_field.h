@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/deform/options.h>
+#include <meshgraft/deform/deform_problem.h>
 
 #include "deform/solve/constrained_system.h"
 #include "deform/solve/corotation.h"

@@ -1,11 +1,11 @@
-#include <meshgraft/deform/reduced_frames.h>
+#include <meshgraft/deform/quick_frames.h>
 
 #include <algorithm>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "core/facts.h"
+#include "core/parallel.h"
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
 #include "deform/solve/handle_frame.h"
@@ -20,7 +20,7 @@ namespace {
 Columns free_rows(const ConstrainedSystem& system, const Columns& displacements) {
   Columns rows(static_cast<Eigen::Index>(system.free_vertices().size()), displacements.cols());
   for (Eigen::Index k = 0; k < rows.rows(); ++k)
-    rows.row(k) = displacements.row(system.patch().local(system.free_vertices()[static_cast<std::size_t>(k)]));
+    rows.row(k) = displacements.row(system.patch().local(system.free_vertices()[k]));
   return rows;
 }
 
@@ -107,8 +107,7 @@ void ReducedFrames::Impl::solve_targets(const ConstrainedSystem& system, const C
   const ConstrainedSystem::Known values = system.no_values(3);
   const Columns y = system.solve(values, {}, {.corrections = system.residual_corrections()}, context);
   const Columns x = free_rows(system, system.displacements(y, values, context));
-  for (Eigen::Index k = 0; k < x.rows(); ++k)
-    base.row(system.free_vertices()[static_cast<std::size_t>(k)]) += scale * x.row(k);
+  for (Eigen::Index k = 0; k < x.rows(); ++k) base.row(system.free_vertices()[k]) += scale * x.row(k);
   field->set_base_maps(system.maps(y, values, context));
 }
 

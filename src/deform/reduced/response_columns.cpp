@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

@@ -10,10 +10,7 @@ namespace {
 class EdgeDistances {
  public:
   EdgeDistances(const Points& points, const IndexLists& rings)
-      : points_(points),
-        rings_(rings),
-        distance_(static_cast<std::size_t>(rings.size()), unreached),
-        source_(distance_.size(), -1) {}
+      : points_(points), rings_(rings), distance_(rings.size(), unreached), source_(distance_.size(), -1) {}
 
   void add_source(Index vertex, Index number) {
     new_sources_.push_back(vertex);

@@ -14,7 +14,7 @@ class BallWalk {
  public:
   /// `points` and `rings` must outlive the walk. Only one walk may run at a time.
   BallWalk(const Points& points, const IndexLists& rings)
-      : points_(&points), rings_(&rings), met_in_(static_cast<std::size_t>(points.rows()), 0) {}
+      : points_(&points), rings_(&rings), met_in_(points.rows(), 0) {}
 
   /// Calls `visit(vertex, squared distance)` for the start and for every vertex that the walk reaches.
   template <class Visit>

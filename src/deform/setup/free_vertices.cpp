@@ -8,7 +8,7 @@
 namespace meshgraft {
 
 Flags flag_free(Eigen::Index vertex_count, std::span<const Index> free_vertices) {
-  Flags is_free(static_cast<std::size_t>(vertex_count), 0);
+  Flags is_free(vertex_count, 0);
   for (const Index v : free_vertices) {
     if (v < 0 || v >= vertex_count) {
       throw Error(facts::deform::NoSuchFreeVertex{.vertex = v, .count = vertex_count});

@@ -1,4 +1,4 @@
-#include <meshgraft/deform/memory_estimate.h>
+#include "memory_estimate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
+#include "core/parallel.h"
 #include "deform/facts.h"
 #include "mesh/edge_table.h"
 
@@ -44,7 +44,7 @@ bool any_inconsistent(Index vertex_count, const Triangles& triangles, const Cont
   const IndexLists faces_at = vertex_triangles(vertex_count, triangles, context);
   std::atomic<bool> found = false;
   parallel_blocks(
-      static_cast<std::size_t>(vertex_count),
+      vertex_count,
       [&](std::size_t begin, std::size_t end) {
         std::vector<Index> ends;
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
@@ -69,7 +69,7 @@ void orient_consistently(Index vertex_count, Triangles& triangles) {
     Index face = -1;
     bool opposed = false;  ///< the orientations are inconsistent
   };
-  std::vector<std::array<Neighbour, 3>> neighbours(static_cast<std::size_t>(triangles.rows()));
+  std::vector<std::array<Neighbour, 3>> neighbours(triangles.rows());
   Flags filled(neighbours.size(), 0);
   bool any_opposed = false;
   for (const TriangleEdge& edge : list_edges(triangles, vertex_triangles(vertex_count, triangles))) {

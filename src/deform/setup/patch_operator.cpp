@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include <meshgraft/operators/laplacian.h>
+#include "operators/laplacian.h"
 
 namespace meshgraft {
 
@@ -29,8 +29,8 @@ CutPatch::CutPatch(std::shared_ptr<const RestMesh> rest, const ConstraintMask& m
     : mesh(std::move(rest)), feature(mask.feature), rings(laplacian_order + 2) {
   const auto n = static_cast<Index>(mesh->points.rows());
   const IndexLists faces_at = vertex_triangles(n, mesh->triangles, context);
-  in_faces.resize(static_cast<std::size_t>(n));
-  active.resize(static_cast<std::size_t>(n));
+  in_faces.resize(n);
+  active.resize(n);
   for (Index v = 0; v < n; ++v) {
     in_faces[v] = !faces_at[v].empty();
     active[v] = in_faces[v] && mask.is_unknown(v);
@@ -62,7 +62,7 @@ std::optional<PatchPart> part_around(const CutPatch& cut, const Flags& active, c
   std::vector<Index> centres;
   for (Index v = 0; v < patch.size(); ++v)
     if (active[patch.vertices[v]]) centres.push_back(v);
-  Flags inside(static_cast<std::size_t>(patch.size()), 0);
+  Flags inside(patch.size(), 0);
   PatchPart part;
   for (const Index v : grow_rings(centres, cut.rings + 1, rings)) {
     inside[v] = 1;
@@ -109,7 +109,7 @@ bool PatchOperator::serves(const PatchPart& part, const Patch& patch) const {
 
 std::optional<SparseRows> PatchOperator::fewer_maps(const ConstraintMask& mask) const {
   const SparseRows& H = rows_.H();
-  std::vector<int> lengths(static_cast<std::size_t>(H.rows()), 0);
+  std::vector<int> lengths(H.rows(), 0);
   bool fewer = false;
   for (Index row = 0; row < static_cast<Index>(H.rows()); ++row) {
     const int length = H.outerIndexPtr()[row + 1] - H.outerIndexPtr()[row];

@@ -49,7 +49,7 @@ namespace {
 /// fixed vertex.
 void require_disjoint(const Region& region, Index count) {
   constexpr int nobody = -2, fixed = -1;
-  std::vector<int> owner(static_cast<std::size_t>(count), nobody);
+  std::vector<int> owner(count, nobody);
   for (Index v : region.fixed) {
     require_vertex(v, count, "fixed");
     owner[v] = fixed;
@@ -185,7 +185,7 @@ void require_solvable(const Points& rest, const Triangles& triangles, const Cons
                       const Context& context) {
   const auto n = static_cast<Index>(rest.rows());
   const IndexLists faces_at = vertex_triangles(n, triangles, context);
-  Flags unknown(static_cast<std::size_t>(n), 0);
+  Flags unknown(n, 0);
   for (Index v = 0; v < n; ++v) unknown[v] = !faces_at[v].empty() && mask.is_unknown(v);
   const Patch patch = make_patch(rest, triangles, faces_at, unknown, 1, context);
   ConstraintMask patch_mask = mask.of(patch.vertices);

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/deform/options.h>
-#include <meshgraft/deform/region.h>
-#include <meshgraft/operators/constraint_mask.h>
+#include <meshgraft/deform/deform_problem.h>
+#include <meshgraft/operators/affine_operator.h>
 
 namespace meshgraft {
 

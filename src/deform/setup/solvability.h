@@ -1,7 +1,7 @@
 #pragma once
 
 #include <meshgraft/mesh/topology.h>
-#include <meshgraft/operators/constraint_mask.h>
+#include <meshgraft/operators/affine_operator.h>
 
 #include "patch.h"
 

@@ -255,7 +255,7 @@ double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstrai
   Points local(patch().size(), 3);
   for (Index v = 0; v < patch().size(); ++v)
     local.row(v) = (positions.row(patch().vertices[v]) - patch().centre) / patch().scale;
-  std::vector<Eigen::Matrix3d> given(static_cast<std::size_t>(patch().size()), Eigen::Matrix3d::Identity());
+  std::vector<Eigen::Matrix3d> given(patch().size(), Eigen::Matrix3d::Identity());
   for (const VertexConstraint& constraint : constraints)
     if (const Index v = patch().local(constraint.vertex); v >= 0 && constraint.transform)
       given[v] = *constraint.transform;

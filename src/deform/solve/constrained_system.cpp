@@ -165,7 +165,7 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   const AffineOperator& op = operators_->rows();
   const Index n = patch().size();
   const Eigen::Index node_count = op.nodes().positions.rows();
-  std::vector<int> column(static_cast<std::size_t>(node_count), -1);
+  std::vector<int> column(node_count, -1);
   int columns = 0;
   std::map<Index, std::vector<Index>> features;
   for (Index v = 0; v < n; ++v) {
@@ -226,8 +226,8 @@ NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
 /// Returns the graph for the elimination order. Each unknown belongs to its vertex, except those of features,
 /// which vertices far apart share.
 OrderingGraph ConstrainedSystem::ordering_graph() const {
-  OrderingGraph graph{std::vector<Index>(static_cast<std::size_t>(E_.cols()), -1), &operators_->rows().rings(),
-                      cuts_, Points::Zero(E_.cols(), 3)};
+  OrderingGraph graph{std::vector<Index>(E_.cols(), -1), &operators_->rows().rings(), cuts_,
+                      Points::Zero(E_.cols(), 3)};
   const std::vector<Index>& apex = operators_->rows().nodes().apex;
   for (Index v = 0; v < patch().size(); ++v)
     for (const Index node : {v, apex[v]}) {
@@ -268,7 +268,7 @@ void ConstrainedSystem::prepare_similarities(const Context& context) {
 
 /// Returns the row of y of the s-th shared unknown of the similarities.
 Eigen::Index ConstrainedSystem::shared_row(Eigen::Index s) const {
-  return feature_column_[similarities_[static_cast<std::size_t>(s / 4)]] + s % 4;
+  return feature_column_[similarities_[s / 4]] + s % 4;
 }
 
 double ConstrainedSystem::condition_estimate(const Context& context) const {

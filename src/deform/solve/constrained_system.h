@@ -6,10 +6,8 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/deform/constraints.h>
-#include <meshgraft/deform/figures.h>
-#include <meshgraft/deform/options.h>
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/deform/deform_problem.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 #include "deform/setup/patch.h"
 #include "deform/setup/patch_operator.h"

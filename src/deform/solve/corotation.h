@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/linalg/sparse.h>
+#include <meshgraft/linalg/linear_solver.h>
 
 namespace meshgraft {
 

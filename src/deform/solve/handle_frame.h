@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <meshgraft/deform/handle.h>
+#include <meshgraft/deform/deform_problem.h>
 
 #include "constrained_system.h"
 

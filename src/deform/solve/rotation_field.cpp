@@ -6,9 +6,9 @@
 #include <set>
 #include <utility>
 
-#include <meshgraft/core/parallel.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "core/parallel.h"
 #include "corotation.h"
 #include "rotations.h"
 
@@ -22,7 +22,7 @@ using Logarithm = Eigen::Matrix<double, 1, 9>;
 template <class Body>
 void for_each_vertex(Index count, const Context& context, const Body& body) {
   parallel_blocks(
-      static_cast<std::size_t>(count),
+      count,
       [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) body(v);
       },
@@ -109,7 +109,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     PolarParts parts;
   };
   std::vector<Given> given;
-  Flags constrained(static_cast<std::size_t>(n), 0);
+  Flags constrained(n, 0);
   bool from_rest = false;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const VertexConstraint& constraint : constraints) {
@@ -151,8 +151,8 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
       logs.row(v) = fit_logs[c];
   logs = fields_.spread(logs, context);
 
-  blended.rotation.resize(static_cast<std::size_t>(n));
-  blended.stretch.resize(static_cast<std::size_t>(n));
+  blended.rotation.resize(n);
+  blended.stretch.resize(n);
   for_each_vertex(n, context, [&](Index v) {
     const Logarithm log = logs.row(v);
     blended.rotation[v] = rotation_exp(log.head<3>().transpose()) * reference;
@@ -230,8 +230,8 @@ std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexCo
     if (count < 4) continue;
     Eigen::MatrixXd points(count, 3), displacements(count, 3);
     for (Eigen::Index k = 0; k < count; ++k) {
-      points.row(k) = moves[c][static_cast<std::size_t>(k)].head<3>();
-      displacements.row(k) = moves[c][static_cast<std::size_t>(k)].tail<3>();
+      points.row(k) = moves[c][k].head<3>();
+      displacements.row(k) = moves[c][k].tail<3>();
     }
     points.rowwise() -= points.colwise().mean().eval();
     displacements.rowwise() -= displacements.colwise().mean().eval();

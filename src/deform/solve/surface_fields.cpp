@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <meshgraft/operators/laplacian.h>
+#include "operators/laplacian.h"
 
 namespace meshgraft {
 
@@ -54,7 +54,7 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows)
 
 /// Returns the lower triangle of the square part of `rows` that belongs to the vertices `unknown`.
 NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown) {
-  std::vector<Index> column_of(static_cast<std::size_t>(rows.cols()), -1);
+  std::vector<Index> column_of(rows.cols(), -1);
   for (std::size_t k = 0; k < unknown.size(); ++k) column_of[unknown[k]] = static_cast<Index>(k);
   const auto for_each_entry = [&](const auto& body) {
     for (Eigen::Index k = 0; k < rows.rows(); ++k)
@@ -148,7 +148,7 @@ bool SurfaceFields::bounds_alike(const IndexLists& rings, double smallest) const
 }
 
 void SurfaceFields::find_components(const IndexLists& rings, std::span<const std::uint8_t> given) {
-  component_.assign(static_cast<std::size_t>(rings.size()), -1);
+  component_.assign(rings.size(), -1);
   std::vector<Index> queue;
   for (Index start = 0; start < rings.size(); ++start) {
     if (rings[start].empty() || component_[start] >= 0) continue;

@@ -7,7 +7,6 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
-#include <meshgraft/linalg/sparse.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 

@@ -11,7 +11,6 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/core/version.h>
-#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/normals.h>
 
 #include "accessor.h"
@@ -22,6 +21,7 @@
 #include "io/file_document.h"
 #include "io/number_text.h"
 #include "io/obj/materials.h"
+#include "mesh/join.h"
 #include "morph.h"
 #include "split.h"
 
@@ -214,8 +214,8 @@ class GltfComposer {
       const Index v = primitive.vertex[i];
       GltfValue delta{};
       for (int axis = 0; axis < 3; ++axis)
-        delta[static_cast<std::size_t>(axis)] = static_cast<float>(
-            moved_->positions(v, axis) - static_cast<double>(static_cast<float>(mesh_.positions(v, axis))));
+        delta[axis] = static_cast<float>(moved_->positions(v, axis) -
+                                         static_cast<double>(static_cast<float>(mesh_.positions(v, axis))));
       const bool stays = mesh_.positions.row(v) == moved_->positions.row(v);
       if (!stays && delta != GltfValue{}) deltas.emplace(i, delta);
     }

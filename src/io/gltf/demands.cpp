@@ -105,9 +105,9 @@ class DemandCollector {
     GltfDemand& demand = demand_of(demands, channel, accessor_index, accessor.count);
     for (Index c = part.first_corner; c < part.first_corner + part.corner_count; ++c) {
       if (c % corners_per_check == 0) context_.throw_if_stopped();
-      const std::uint32_t element = document_.corner_elements[static_cast<std::size_t>(c)];
+      const std::uint32_t element = document_.corner_elements[c];
       if (element == no_element || element >= accessor.count) continue;
-      const Index row = of_corners ? c : mesh_.faces.corners()[static_cast<std::size_t>(c)];
+      const Index row = of_corners ? c : mesh_.faces.corners()[c];
       const double* wanted = attribute->values.data() + static_cast<std::size_t>(row) * components;
       if (demand.is_used[element]) {
         if (of_corners) count_disagreement(demand, element, accessor, wanted);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "document.h"

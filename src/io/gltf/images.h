@@ -2,9 +2,8 @@
 
 #include <vector>
 
-#include <meshgraft/io/textures.h>
-
 #include "document.h"
+#include "io/textures.h"
 
 namespace meshgraft::io {
 

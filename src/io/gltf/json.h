@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <meshgraft/core/fact.h>
+#include <meshgraft/core/error.h>
 
 namespace meshgraft::io {
 

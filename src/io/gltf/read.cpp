@@ -13,8 +13,8 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/memory.h>
 
+#include "core/memory.h"
 #include "document.h"
 #include "gltf.h"
 #include "gltf/facts.h"
@@ -279,7 +279,7 @@ class GltfReader {
     Attribute& attribute = corner_attribute(channel, values.components);
     const auto components = static_cast<std::size_t>(attribute.components);
     for (Index c = part.first_corner; c < part.first_corner + part.corner_count; ++c) {
-      const std::uint32_t element = document_->corner_elements[static_cast<std::size_t>(c)];
+      const std::uint32_t element = document_->corner_elements[c];
       if (element == no_element || element >= values.count) continue;
       GltfValue value = instance.placement.to_mesh(channel.kind, load_value(values, element, bytes_));
       if (values.components == 3 && components == 4) value[3] = 1;  // opaque
@@ -325,7 +325,7 @@ class GltfReader {
     const auto components = static_cast<std::size_t>(of_corners.components);
     const std::vector<Index>& corners = mesh_.faces.corners();
     std::vector<double> values(static_cast<std::size_t>(mesh_.vertex_count()) * components, no_value);
-    Flags seen(static_cast<std::size_t>(mesh_.vertex_count()), false);
+    Flags seen(mesh_.vertex_count(), false);
     for (std::size_t c = 0; c < corners.size(); ++c) {
       if (corners[c] >= mesh_.vertex_count()) continue;
       const auto v = static_cast<std::size_t>(corners[c]);

@@ -21,7 +21,7 @@ const Attribute* label_attribute(const Mesh& mesh, const char* name) {
 }
 
 double label_of(const Attribute* attribute, Index face) {
-  return attribute == nullptr ? no_label : attribute->values[static_cast<std::size_t>(face)];
+  return attribute == nullptr ? no_label : attribute->values[face];
 }
 
 /// Returns the element of `list` with this label. Adds it if there is none.
@@ -47,8 +47,7 @@ CornerTriangle corners_of(const Mesh& mesh, Index face, std::span<const Index> t
 
 class VertexSplitter {
  public:
-  explicit VertexSplitter(const Mesh& mesh)
-      : mesh_(mesh), first_(static_cast<std::size_t>(mesh.vertex_count()), -1) {
+  explicit VertexSplitter(const Mesh& mesh) : mesh_(mesh), first_(mesh.vertex_count(), -1) {
     for (const Attribute& attribute : mesh.attributes) {
       const auto size =
           static_cast<std::size_t>(mesh.faces.corner_count()) * static_cast<std::size_t>(attribute.components);
@@ -61,21 +60,19 @@ class VertexSplitter {
     next_.clear();
     for (const CornerTriangle& triangle : primitive.triangles)
       for (const Index corner : triangle) primitive.indices.push_back(vertex_for(corner, primitive));
-    for (const Index v : primitive.vertex) first_[static_cast<std::size_t>(v)] = -1;
+    for (const Index v : primitive.vertex) first_[v] = -1;
   }
 
  private:
   std::uint32_t vertex_for(Index corner, SplitPrimitive& primitive) {
-    const Index v = mesh_.faces.corners()[static_cast<std::size_t>(corner)];
-    for (Index made = first_[static_cast<std::size_t>(v)]; made >= 0;
-         made = next_[static_cast<std::size_t>(made)])
-      if (same_values(primitive.corner[static_cast<std::size_t>(made)], corner))
-        return static_cast<std::uint32_t>(made);
+    const Index v = mesh_.faces.corners()[corner];
+    for (Index made = first_[v]; made >= 0; made = next_[made])
+      if (same_values(primitive.corner[made], corner)) return static_cast<std::uint32_t>(made);
     const auto made = static_cast<Index>(primitive.vertex.size());
     primitive.vertex.push_back(v);
     primitive.corner.push_back(corner);
-    next_.push_back(first_[static_cast<std::size_t>(v)]);
-    first_[static_cast<std::size_t>(v)] = made;
+    next_.push_back(first_[v]);
+    first_[v] = made;
     return static_cast<std::uint32_t>(made);
   }
 
@@ -107,18 +104,18 @@ SplitMesh split_mesh(const Mesh& mesh) {
     if (mesh.faces[f].size() > 3) ++split.polygons;
   const Triangulation triangulation = triangulate(mesh);
   for (Eigen::Index t = 0; t < triangulation.triangles.rows(); ++t) {
-    const Index face = triangulation.face[static_cast<std::size_t>(t)];
+    const Index face = triangulation.face[t];
     SplitObject& owner = find_or_add(split.objects, &SplitObject::object, label_of(object, face));
     SplitPrimitive& primitive =
         find_or_add(owner.primitives, &SplitPrimitive::material, label_of(material, face));
     primitive.triangles.push_back(corners_of(mesh, face, {triangulation.triangles.row(t).data(), 3}));
   }
   VertexSplitter splitter(mesh);
-  Flags used(static_cast<std::size_t>(mesh.vertex_count()), false);
+  Flags used(mesh.vertex_count(), false);
   for (SplitObject& owner : split.objects) {
     for (SplitPrimitive& primitive : owner.primitives) {
       splitter.split(primitive);
-      for (const Index v : primitive.vertex) used[static_cast<std::size_t>(v)] = true;
+      for (const Index v : primitive.vertex) used[v] = true;
     }
   }
   split.lonely_vertices = static_cast<Index>(std::ranges::count(used, false));

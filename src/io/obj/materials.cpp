@@ -10,9 +10,9 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/mesh/join.h>
 
 #include "io/facts.h"
+#include "mesh/join.h"
 #include "mtl.h"
 
 namespace meshgraft::io {
@@ -97,13 +97,13 @@ class Library {
  public:
   Library(const Mesh& mesh, const fs::path& path) : path_(path), used_(used_materials(mesh)) {}
 
-  void add(const JoinedSources::Part& part, const ObjDocument& document) {
+  void add(const JoinedSources::File& source, const ObjDocument& document) {
     const fs::path folder = document.path.parent_path();
     for (const std::string& name : library_names_of(document.content, folder)) {
       const fs::path library = folder / name;
       libraries_.push_back(library);
       try {
-        add(part, parse_mtl(read_file(library)), library.parent_path());
+        add(source, parse_mtl(read_file(library)), library.parent_path());
       } catch (const Error& error) {
         if (std::ranges::find(unread_, name) == unread_.end()) unread_.push_back(name);
         add_note(facts::io::LibraryNotRead{
@@ -132,9 +132,9 @@ class Library {
     if (std::ranges::find(notes_, note) == notes_.end()) notes_.push_back(std::move(note));
   }
 
-  void add(const JoinedSources::Part& part, const std::vector<MtlMaterial>& definitions,
+  void add(const JoinedSources::File& source, const std::vector<MtlMaterial>& definitions,
            const fs::path& folder) {
-    for (const auto& [in_file, now] : part.materials) {
+    for (const auto& [in_file, now] : source.materials) {
       const auto definition = std::ranges::find(definitions, in_file, &MtlMaterial::name);
       if (definition == definitions.end() || std::ranges::find(used_, now) == used_.end()) continue;
       if (!defined_.insert(now).second) continue;
@@ -173,8 +173,8 @@ class Library {
   std::string text_;
 };
 
-bool keeps_names(const JoinedSources::Part& part) {
-  return std::ranges::all_of(part.materials, [](const auto& names) { return names.first == names.second; });
+bool keeps_names(const JoinedSources::File& source) {
+  return std::ranges::all_of(source.materials, [](const auto& names) { return names.first == names.second; });
 }
 
 }  // namespace
@@ -182,20 +182,20 @@ bool keeps_names(const JoinedSources::Part& part) {
 ObjMaterials materials_for(const Mesh& mesh, const fs::path& path) {
   const auto sources = sources_of(mesh);
   if (!sources) return {};
-  std::vector<std::pair<const JoinedSources::Part*, const ObjDocument*>> parts;
+  std::vector<std::pair<const JoinedSources::File*, const ObjDocument*>> files;
   std::set<const ObjDocument*> documents;
-  for (const JoinedSources::Part& part : sources->parts) {
-    const auto* document = dynamic_cast<const ObjDocument*>(part.source.get());
+  for (const JoinedSources::File& source : sources->files) {
+    const auto* document = dynamic_cast<const ObjDocument*>(source.document.get());
     if (document == nullptr || library_lines(document->content).empty()) continue;
-    parts.emplace_back(&part, document);
+    files.emplace_back(&source, document);
     documents.insert(document);
   }
   if (documents.empty()) return {};
   const bool as_it_was = documents.size() == 1 && same_folder((*documents.begin())->path, path) &&
-                         std::ranges::all_of(parts, [](const auto& part) { return keeps_names(*part.first); });
+                         std::ranges::all_of(files, [](const auto& file) { return keeps_names(*file.first); });
   if (as_it_was) return {library_lines((*documents.begin())->content), std::nullopt, {}};
   Library library(mesh, path);
-  for (const auto& [part, document] : parts) library.add(*part, *document);
+  for (const auto& [source, document] : files) library.add(*source, *document);
   return std::move(library).finish();
 }
 

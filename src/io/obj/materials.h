@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/io/textures.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "document.h"
 #include "io/format.h"
+#include "io/textures.h"
 
 namespace meshgraft::io {
 

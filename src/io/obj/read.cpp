@@ -30,7 +30,7 @@ bool parse_index(std::string_view& text, std::int64_t& value) {
   const std::size_t plus = text.starts_with('+') ? 1 : 0;
   const auto [end, error] = std::from_chars(text.data() + plus, text.data() + text.size(), value);
   if (error != std::errc{}) return false;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  text.remove_prefix(end - text.data());
   return true;
 }
 
@@ -68,7 +68,7 @@ class FaceLabels {
   /// Stores the current label of a face. Faces before the first label have none.
   void push_face(Index face) {
     if (values_.empty() && std::isnan(current_)) return;
-    values_.resize(static_cast<std::size_t>(face), no_value);
+    values_.resize(face, no_value);
     values_.push_back(current_);
   }
 

@@ -11,13 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include <meshgraft/mesh/join.h>
-
 #include "document.h"
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
 #include "materials.h"
+#include "mesh/join.h"
 #include "obj.h"
 
 namespace meshgraft::io {
@@ -82,7 +81,7 @@ class NormalPlan {
   void keep_unchanged_lines(const std::vector<double>& values) {
     for (std::size_t c = 0; c < document_.corner_normals.size(); ++c) {
       const Index line = document_.corner_normals[c];
-      if (line >= 0 && is_unchanged(c, values)) lines_[static_cast<std::size_t>(line)].taken = true;
+      if (line >= 0 && is_unchanged(c, values)) lines_[line].taken = true;
     }
   }
 
@@ -92,7 +91,7 @@ class NormalPlan {
     // Single precision suffices for a direction. Corners that differ by rounding keep sharing a line.
     Triple value;
     for (std::size_t axis = 0; axis < 3; ++axis) value[axis] = static_cast<float>(values[3 * corner + axis]);
-    Line& line = lines_[static_cast<std::size_t>(line_index)];
+    Line& line = lines_[line_index];
     if (!line.taken) {
       line = {true, true, value};
     } else if (!line.replaced || !same(line.value, value)) {

@@ -66,7 +66,7 @@ class FaceColours {
  public:
   void push(Index face, const std::array<double, 4>& colour, std::size_t count, bool whole) {
     colours_.resize(4 * static_cast<std::size_t>(face), no_value);
-    whole_.resize(static_cast<std::size_t>(face), true);
+    whole_.resize(face, true);
     colours_.insert(colours_.end(), colour.begin(), colour.end());
     whole_.push_back(whole);
     has_alpha_ = has_alpha_ || count == 4;
@@ -308,7 +308,7 @@ class OffReader {
     if (size == 0) return;
     if (size == 2 || (size == 1 && !(whole && std::abs(values[0]) <= largest_index))) fail_colour(f);
     if (size == 1) {
-      indices_.resize(static_cast<std::size_t>(f), no_value);
+      indices_.resize(f, no_value);
       indices_.push_back(values[0]);
       return;
     }
@@ -322,7 +322,7 @@ class OffReader {
 
   void add_indices() {
     if (indices_.empty()) return;
-    indices_.resize(static_cast<std::size_t>(faces_), no_value);
+    indices_.resize(faces_, no_value);
     Attribute attribute;
     attribute.name = off_colour_index;
     attribute.domain = Domain::face;

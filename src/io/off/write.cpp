@@ -96,7 +96,7 @@ class OffPatcher {
       words_.clear();
       for (std::string_view word = cursor_.next_on_line(); !word.empty(); word = cursor_.next_on_line())
         words_.push_back(word);
-      if (words_.size() == 1 && index != nullptr) patch_index(index->values[static_cast<std::size_t>(f)]);
+      if (words_.size() == 1 && index != nullptr) patch_index(index->values[f]);
       if (words_.size() > 1 && colour != nullptr) patch_colour(*colour, f);
     }
   }

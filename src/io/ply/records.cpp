@@ -4,8 +4,8 @@
 #include <string>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
+#include "core/parallel.h"
 #include "io/binary_value.h"
 #include "io/check_interval.h"
 #include "io/facts.h"

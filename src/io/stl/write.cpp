@@ -92,7 +92,7 @@ std::string patch_binary(const StlDocument& document, const Mesh& mesh, const Co
     }
     if (moved) store_stl_point(facet, facet_normal(corners));
     if (attribute == nullptr) continue;
-    const std::uint16_t value = to_attribute(attribute->values[static_cast<std::size_t>(f)]);
+    const std::uint16_t value = to_attribute(attribute->values[f]);
     if (value != load_stl_attribute(facet + stl_layout::attribute))
       store_stl_attribute(facet + stl_layout::attribute, value);
   }
@@ -170,24 +170,23 @@ class StlComposer {
       const Index vertex = parts_.triangles(t, c);
       const FloatPoint point = to_floats(mesh_.positions, vertex);
       store_stl_point(facet + static_cast<std::size_t>(c + 1) * stl_layout::corner, point);
-      corners[static_cast<std::size_t>(c)] = to_vector(point);
-      rounded_ =
-          rounded_ || corners[static_cast<std::size_t>(c)] != Eigen::Vector3d(mesh_.positions.row(vertex));
+      corners[c] = to_vector(point);
+      rounded_ = rounded_ || corners[c] != Eigen::Vector3d(mesh_.positions.row(vertex));
     }
     store_stl_point(facet, facet_normal(corners));
     if (attribute_ == nullptr) return;
-    const auto face = static_cast<std::size_t>(parts_.face[static_cast<std::size_t>(t)]);
+    const auto face = static_cast<std::size_t>(parts_.face[t]);
     store_stl_attribute(facet + stl_layout::attribute, to_attribute(attribute_->values[face]));
   }
 
   void note_losses(std::vector<Note>& notes) const {
     notes = left_out_notes(mesh_);
     note_unwritten(mesh_, "STL", {attribute_}, notes);
-    Flags used(static_cast<std::size_t>(mesh_.vertex_count()), 0);
-    for (const Index vertex : parts_.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = 1;
+    Flags used(mesh_.vertex_count(), 0);
+    for (const Index vertex : parts_.triangles.reshaped()) used[vertex] = 1;
     const auto isolated = std::ranges::count(used, 0);
-    Flags covered(static_cast<std::size_t>(mesh_.face_count()), 0);
-    for (const Index face : parts_.face) covered[static_cast<std::size_t>(face)] = 1;
+    Flags covered(mesh_.face_count(), 0);
+    for (const Index face : parts_.face) covered[face] = 1;
     const auto dropped = std::ranges::count(covered, 0);
     Index polygons = 0;
     for (Index f = 0; f < mesh_.face_count(); ++f) polygons += mesh_.faces[f].size() > 3 ? 1 : 0;

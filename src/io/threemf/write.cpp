@@ -7,12 +7,12 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/join.h>
 
 #include "document.h"
 #include "io/facts.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
+#include "mesh/join.h"
 #include "threemf.h"
 #include "threemf/facts.h"
 
@@ -141,7 +141,7 @@ class ThreemfComposer {
     const Triangulation pieces = triangulate(mesh_);
     std::map<double, std::vector<Eigen::Index>> triangles_of;
     for (Eigen::Index t = 0; t < pieces.triangles.rows(); ++t) {
-      const Index face = pieces.face[static_cast<std::size_t>(t)];
+      const Index face = pieces.face[t];
       const bool has_none = object_ == nullptr || std::isnan(object_->values[face]);
       triangles_of[has_none ? -1 : object_->values[face]].push_back(t);
     }
@@ -149,8 +149,7 @@ class ThreemfComposer {
       context_.throw_if_stopped();
       model_.objects.emplace_back().name = name_of(value);
       add_vertices(pieces, triangles);
-      for (const Eigen::Index t : triangles)
-        add_triangle(pieces.triangles.row(t), pieces.face[static_cast<std::size_t>(t)]);
+      for (const Eigen::Index t : triangles) add_triangle(pieces.triangles.row(t), pieces.face[t]);
     }
   }
 
@@ -178,7 +177,7 @@ class ThreemfComposer {
     ThreemfModel::Object& object = model_.objects.back();
     std::array<std::uint32_t, 3> corners{};
     for (int c = 0; c < 3; ++c)
-      corners[static_cast<std::size_t>(c)] =
+      corners[c] =
           static_cast<std::uint32_t>(std::lower_bound(used_.begin(), used_.end(), triangle[c]) - used_.begin());
     object.triangles.push_back(corners);
     if (material_ != nullptr) {
@@ -229,8 +228,8 @@ class ThreemfComposer {
   void note_losses(std::vector<Note>& notes) const {
     note_unwritten(mesh_, "3MF", {object_, material_, colour_}, notes);
     if (material_ != nullptr && colour_ != nullptr) notes.push_back(facts::threemf::ColoursLost{});
-    Flags used(static_cast<std::size_t>(mesh_.vertex_count()), false);
-    for (const Index v : mesh_.faces.corners()) used[static_cast<std::size_t>(v)] = true;
+    Flags used(mesh_.vertex_count(), false);
+    for (const Index v : mesh_.faces.corners()) used[v] = true;
     const auto lonely = std::ranges::count(used, false);
     if (lonely > 0) notes.push_back(facts::io::VerticesLeftOut{.format = "3MF", .count = lonely});
     const auto polygons = std::ranges::count_if(std::views::iota(Index{0}, mesh_.face_count()),

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 // BLAS and LAPACK under their Fortran names. The lengths of their one-letter strings are not read.
 // NOLINTBEGIN(readability-identifier-naming)

@@ -11,8 +11,8 @@
 #include <numeric>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
+#include "core/parallel.h"
 #include "linalg/facts.h"
 
 namespace meshgraft {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/parallel.h>
 #include <meshgraft/linalg/linear_solver.h>
 
+#include "core/parallel.h"
 #include "symbolic_factorisation.h"
 
 namespace meshgraft {

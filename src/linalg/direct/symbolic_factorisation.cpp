@@ -8,7 +8,7 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 

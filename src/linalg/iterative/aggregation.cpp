@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 

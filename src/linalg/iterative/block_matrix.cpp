@@ -7,8 +7,8 @@
 #include <Eigen/LU>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
+#include "core/parallel.h"
 #include "linalg/facts.h"
 
 // The loops below gain from the processor's widest registers, but the library is built for any processor.

@@ -7,7 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <Eigen/Eigenvalues>
 
-#include <meshgraft/core/parallel.h>
+#include "core/parallel.h"
 
 namespace meshgraft {
 

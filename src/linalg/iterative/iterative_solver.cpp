@@ -5,11 +5,11 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/parallel.h>
 
 #include "block_matrix.h"
 #include "block_rows.h"
 #include "coarse_space.h"
+#include "core/parallel.h"
 #include "linalg/backends.h"
 #include "linalg/blas_threads.h"
 #include "linalg/facts.h"

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/join.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -17,6 +16,7 @@
 #include "mesh/disjoint_sets.h"
 #include "mesh/edge_table.h"
 #include "mesh/facts.h"
+#include "mesh/join.h"
 
 namespace meshgraft {
 

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "mesh/edge_table.h"
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
 

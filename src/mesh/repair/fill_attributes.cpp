@@ -8,10 +8,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 
-#include <meshgraft/core/parallel.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
-
+#include "core/parallel.h"
 #include "mesh/area_vector.h"
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
 

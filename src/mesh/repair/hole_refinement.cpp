@@ -11,8 +11,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "mesh/area_vector.h"
 
 namespace meshgraft {

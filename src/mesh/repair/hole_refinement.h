@@ -5,10 +5,10 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "hole_search.h"
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
 

@@ -9,8 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "mesh/face_defects.h"
 
 namespace meshgraft {

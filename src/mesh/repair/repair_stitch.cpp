@@ -11,8 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/parallel.h>
-
+#include "core/parallel.h"
 #include "mesh/box_diagonal.h"
 #include "mesh/coincident.h"
 #include "mesh/facts.h"

@@ -8,12 +8,12 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/mesh/cut.h>
-#include <meshgraft/mesh/join.h>
 
 #include "fill_attributes.h"
 #include "mesh/area_vector.h"
 #include "mesh/face_defects.h"
 #include "mesh/facts.h"
+#include "mesh/join.h"
 #include "mesh/traced_faces.h"
 
 namespace meshgraft {

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/mesh/interpolate_attribute.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/repair.h>
 
 #include "mesh/counted_note.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/edge_table.h"
+#include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
 

@@ -3,7 +3,7 @@ import { Matrix4, Vector3, type IUniform, type Texture } from "three";
 /**
  * GLSL functions for the shown position of a vertex, shared by all materials that draw a surface. Without `linear` the
  * position is the attribute's. With `linear` the handles' maps move it by the formulas of `HandleBuffers`
- * (include/meshgraft/deform/handle_basis.h).
+ * (include/meshgraft/deform/quick_frames.h).
  */
 export const deformShader = /* glsl */ `
 in int weightRow;  // 1 + its row in the weights; 0: it stays

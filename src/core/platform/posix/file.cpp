@@ -85,7 +85,7 @@ std::error_code File::write(std::string_view bytes) {
     const ssize_t count = ::write(descriptor(handle_), bytes.data(), std::min(bytes.size(), largest_piece));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return last_error();
-    bytes.remove_prefix(static_cast<std::size_t>(count));
+    bytes.remove_prefix(count);
   }
   return {};
 }

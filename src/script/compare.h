@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/core/error.h>
+#include <meshgraft/script/edit_file.h>
+#include <meshgraft/script/report.h>
+#include <meshgraft/script/run_edit.h>
+
+namespace meshgraft {
+
+/// The result of an edit by one method.
+struct MethodOutcome {
+  Method method;
+  std::optional<EditResult> result;  ///< absent where the method failed
+  std::optional<Error> failure;      ///< absent where there is a result
+};
+
+/// The results of one edit by several methods.
+struct Comparison {
+  std::string edit;                  ///< the edit file
+  std::vector<std::string> outputs;  ///< files written in addition to those in the outcomes' reports
+  std::vector<MethodOutcome> outcomes;
+};
+
+/// Runs an edit once by each of `methods`, all its steps by that method; the inputs are read once. Published
+/// methods run by their own defaults; of the settings they take `backend` and `refine_boundary`. A method
+/// that fails becomes an outcome with its error.
+///
+/// Throws what `run_edit` throws for inputs and if cancelled, and the first method's error where all methods
+/// fail. Throws Error(usage) if no method is given or one is given twice, Error(input) for an edit without a
+/// deform step.
+Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context = {});
+
+/// Returns each method's name, quality and seconds as a Markdown table, with notes below it, in the words of an
+/// interface.
+std::string comparison_table(const Comparison& comparison, const Wording& wording = library_words);
+
+/// Returns the comparison as JSON (docs/report.md), in the words of an interface.
+std::string write_comparison(const Comparison& comparison, const Wording& wording = library_words);
+
+}  // namespace meshgraft
