@@ -16,10 +16,10 @@
 #include "commands.h"
 #include "core/facts.h"
 #include "outputs.h"
+#include "script/compare.h"
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
-#include "script/compare.h"
 #endif
 
 namespace meshgraft::cli {
