@@ -177,8 +177,14 @@ Points vertex_normals(const Points& positions, const Triangles& triangles, const
   Points normals(positions.rows(), 3);
   const auto gather = [&](std::size_t begin, std::size_t end) {
     for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const Index t : vertex_triangles[v]) sum += area.row(t).transpose();
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero(), size = Eigen::Vector3d::Zero();
+      for (const Index t : vertex_triangles[v]) {
+        sum += area.row(t).transpose();
+        size += area.row(t).cwiseAbs().transpose();
+      }
+      // Where faces lie back to back, rounding alone is left of the sum.
+      constexpr double rounding = 1e-12;
+      if ((sum.array().abs() <= rounding * size.maxCoeff()).all()) sum.setZero();
       normals.row(v) = unit_or_zero(sum).transpose();
     }
   };

@@ -8,8 +8,10 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
 
 #include "mesh/shapes.h"
+#include "support/mesh_families.h"
 
 namespace meshgraft {
 namespace {
@@ -85,6 +87,22 @@ TEST(VertexNormals, AreZeroWhereNothingHasArea) {
   const Points normals = vertex_normals(mesh);
   for (const Index v : {0, 1, 2, 6}) EXPECT_EQ(normals.row(v).norm(), 0);
   EXPECT_EQ(normals.row(3), Eigen::RowVector3d(0, 0, 1));
+}
+
+TEST(VertexNormals, AreZeroOnSheetsOfTwoSidesInAnyPose) {
+  const test::TestMesh sheet = test::irregular_grid(9, 7);
+  const Index faces = static_cast<Index>(sheet.triangles.rows());
+  Triangles both(2 * faces, 3);
+  both.topRows(faces) = sheet.triangles;
+  both.bottomRows(faces) = sheet.triangles.rowwise().reverse();
+  for (const double scale : {1e-9, 1.0, 1e9}) {
+    const Points posed =
+        transformed(sheet.positions, scale * some_turn(), scale * Eigen::RowVector3d(3, 1, -2));
+    const auto count = static_cast<Index>(posed.rows());
+    EXPECT_TRUE(vertex_normals(posed, both, vertex_triangles(count, both)).isZero(0)) << scale;
+    const Points one_side = vertex_normals(posed, sheet.triangles, vertex_triangles(count, sheet.triangles));
+    EXPECT_TRUE((one_side.rowwise().norm().array() > 0.999).all()) << scale;
+  }
 }
 
 TEST(VertexNormals, DoNotDependOnTheNumberOfThreads) {
