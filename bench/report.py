@@ -211,7 +211,7 @@ def make_report(data):
         parts += ["### adding a handle", region_table(regions)]
     orderings = {key: sizes for key, sizes in medians.items() if key[0] == "ordering"}
     if orderings:
-        parts += ["### orderings", ordering_table(orderings)]
+        parts += ["### orderings, measured", ordering_table(orderings)]
     for (_, method, _), sizes in ((key, sizes) for key, sizes in medians.items() if key[0] == "cgal"):
         for (_, treatment, backend), our_sizes in ours.items():
             if backend == "multifrontal":

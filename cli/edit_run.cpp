@@ -111,7 +111,7 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
   }
 }
 
-/// Adds `--backend`, which still accepts 'cholmod', the name of `multifrontal` in version 0.1.
+/// Adds `--backend`, which still accepts 'cholmod', an earlier name of `multifrontal`.
 void add_backend(CLI::App& command, EditRunArguments& arguments) {
   add_choice<SolverBackend>(command, "--backend", arguments.run.overrides.backend,
                             {{"auto", SolverBackend::automatic},

@@ -23,8 +23,9 @@ EditSelection box(const std::vector<double>& values, const std::string& option) 
                          Eigen::Map<const Eigen::Vector3d>(values.data() + 3)}};
 }
 
-double one_number(const std::string& text, const std::string& option) {
-  const auto values = numbers<double>(text, option);
+template <class Number>
+Number one_number(const std::string& text, const std::string& option) {
+  const auto values = numbers<Number>(text, option);
   if (values.size() != 1) throw Error(facts::cli::NotOneNumber{.text = text}, option);
   return values.front();
 }
@@ -38,11 +39,11 @@ EditSelection selection_from(const std::string& text, const std::vector<Index>& 
   const std::string word = text.substr(0, colon);
   const std::string rest = colon == std::string::npos ? std::string() : text.substr(colon + 1);
   if (!rest.empty()) {
-    if (word == "loop") return {Selection::Loop{numbers<Index>(rest, option).front()}};
+    if (word == "loop") return {Selection::Loop{one_number<Index>(rest, option)}};
     if (word == "indices") return {Selection::Indices{numbers<Index>(rest, option)}};
     if (word == "file") return {EditSelection::IndexFile{rest}};
     if (word == "box") return box(numbers<double>(rest, option), option);
-    if (word == "beyond") return beyond(one_number(rest, option), loops);
+    if (word == "beyond") return beyond(one_number<double>(rest, option), loops);
   }
   throw Error(facts::cli::NotASelection{.text = text, .forms = selection_forms}, option);
 }

@@ -23,7 +23,7 @@ SparseRows harmonic_operator(const EditProblem& problem, const std::vector<doubl
   return power;
 }
 
-/// Returns the surface without detail smaller than `detail_size`, or without any detail if that is 0. Solves
+/// Returns the surface without detail below `detail_size_rel` × mean edge length, or without any detail if that is 0. Solves
 /// N b + μ M (b − p) = 0, which halves the amplitude of a wave of that length.
 Points base_surface(const EditProblem& problem, const SparseRows& N, const std::vector<double>& areas,
                     const BaselineOptions& options, const Context& context) {

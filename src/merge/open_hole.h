@@ -26,7 +26,7 @@ struct OpenedHole {
   std::vector<Note> notes;
 };
 
-/// Opens a hole of the shape of a source's boundary loop, to be passed on to `merge` with `size` locked.
+/// Opens a hole of the shape of a source's boundary loop, to be passed on to `merge_meshes` with its size.
 ///
 /// The loop, projected along its area vector, is laid onto the surface around the point. This uses the
 /// discrete exponential map (Schmidt, Grimm and Wyvill 2006, "Interactive decal compositing with discrete

@@ -42,7 +42,6 @@ void add_seconds(StageSeconds& sum, const StageSeconds& part) {
   sum.assemble += part.assemble;
   sum.analyse += part.analyse;
   sum.factorise += part.factorise;
-  sum.basis += part.basis;
   sum.solve += part.solve;
   sum.seam += part.seam;
   sum.measure += part.measure;

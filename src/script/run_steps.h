@@ -59,7 +59,7 @@ struct DeformSetup {
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
                           const Scene& scene, const DeformSettings& settings);
 
-/// Returns a step's options with those of the command line in their place.
+/// Returns a step's options with the overrides in their place.
 DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
 
 /// These run one step on its meshes in `scenes` and store the outcome there. They throw what `run_edit`

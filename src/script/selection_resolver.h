@@ -41,10 +41,7 @@ class SelectionResolver {
   std::vector<Index> ordered(const EditSelection& spec, const std::string& location) {
     if (const auto* named = std::get_if<EditSelection::Named>(&spec.kind))
       return ordered(definition(named->name), selection_location(named->name));
-    const Selection selection = bind(spec, location);
-    std::vector<Index> list = resolve(selection, context_, location);
-    const auto* indices = std::get_if<Selection::Indices>(&selection.kind);
-    return indices ? indices->vertices : list;
+    return resolve(bind(spec, location), context_, location);
   }
 
   std::string read(const std::string& file, const std::string& location) const {

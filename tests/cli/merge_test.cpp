@@ -21,6 +21,7 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"merge sheet.obj sheet.obj -o o.ply --start 1-2", 2, "--start: '1-2' is not TARGET:SOURCE"},
       {"merge sheet.obj sheet.obj -o o.ply --spin 30", 2, "--spin goes with --at"},
       {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix all", 2, "--fix: 'all' is not a selection"},
+      {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix loop:0,7", 2, "--fix: '0,7' is not"},
       {"merge sheet.obj sheet.obj -o o.ply --fix loop:0", 2, "--fix goes with --pose keep: nothing stays"},
       {"merge sheet.obj sheet.obj -o o.ply --pose keep --size 2", 2, "--size goes without --pose keep"},
       {"merge sheet.obj sheet.obj -o o.ply --at 1 --pair 0:0", 2, "--at goes without --pair"},

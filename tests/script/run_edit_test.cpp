@@ -1,5 +1,6 @@
 #include <meshgraft/script/run_edit.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -127,6 +128,32 @@ TEST_F(RunEdit, TakesTargetsOfAnyCopyOfAPlace) {
   const EditResult result = run_edit(edit(step(targets(2)), R"({"file": "soup.ply"})"));
   for (const Index v : copies) EXPECT_EQ(result.mesh.positions.row(v), Eigen::RowVector3d(5, 5, 2));
   EXPECT_NE(refusal(edit(step(targets(3)), R"({"file": "soup.ply"})")).find("two targets"), std::string::npos);
+}
+
+TEST_F(RunEdit, MovesCurvesOfAnyCopiesOfTheirVertices) {
+  std::vector<Index> origin;
+  write_mesh(soup_of(sheet(), origin), folder_ / "soup.ply");
+  // Of the vertices of the line y = 5, the first copies, the last copies, or all of them.
+  std::array<std::string, 3> lists;
+  for (Index x = 0; x < side; ++x) {
+    std::vector<Index> copies;
+    for (Index c = 0; c < static_cast<Index>(origin.size()); ++c)
+      if (origin[c] == 5 * side + x) copies.push_back(c);
+    const auto add = [](std::string& list, Index v) { list += (list.empty() ? "" : ", ") + std::to_string(v); };
+    add(lists[0], copies.front());
+    add(lists[1], copies.back());
+    for (const Index c : copies) add(lists[2], c);
+  }
+  for (const std::string& list : lists) {
+    const EditResult result = run_edit(edit(R"({"kind": "deform", "mesh": "sheet",
+        "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+        "handles": [{"name": "line", "shape": "curve", "select": {"indices": [)" +
+                                                list + R"(]},
+                     "pose": {"translate": [0, 0, 2]}}]})",
+                                            R"({"file": "soup.ply"})"));
+    for (std::size_t c = 0; c < origin.size(); ++c)
+      if (origin[c] / side == 5) EXPECT_NEAR(result.mesh.positions(static_cast<Index>(c), 2), 2, 1e-9) << list;
+  }
 }
 
 TEST_F(RunEdit, LetsWhatItCutComeApart) {

@@ -10,8 +10,8 @@ namespace meshgraft {
 /// that stage that is done (0 … 1, or negative where unknown). An exception that it throws ends the call.
 using ProgressCallback = std::function<void(std::string_view stage, double fraction)>;
 
-/// Execution settings of a long call: threads, progress and cancellation. It is passed as the last argument
-/// everywhere and never kept in a global. The result of a call does not depend on it.
+/// Execution settings of a long call: threads, progress and cancellation. It is passed to every long
+/// call and never kept in a global. The result of a call does not depend on it.
 struct Context {
   int threads = 0;               ///< worker threads; 0 = one per core
   ProgressCallback progress{};   ///< may be empty

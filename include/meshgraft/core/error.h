@@ -39,7 +39,7 @@ struct FieldType {
 
 /// A class of facts: one row of a layer's table (src/LAYER/facts.json). docs/facts.md lists all of them.
 struct FactType {
-  std::string_view id;            ///< stable name, "layer.cause", e.g. "merge.start_unclear"
+  std::string_view id;            ///< stable name, "layer.cause", e.g. "merge.open_start"
   std::optional<ErrorCode> code;  ///< code of the errors of this class; none for notes
   std::span<const FieldType> fields;
   /// Sentence in the terms of the library: the problem of an error, the text of a note. "{name}" stands for the
@@ -132,7 +132,7 @@ class Error : public std::exception {
   const char* what() const noexcept override;
   ErrorCode code() const noexcept;
   const Fact& fact() const noexcept;
-  /// Returns the id of the fact, e.g. "merge.start_unclear".
+  /// Returns the id of the fact, e.g. "merge.open_start".
   std::string_view id() const noexcept { return fact().id(); }
   const std::string& location() const noexcept;
   /// Notes that explain the error. `what()` ends with them.

@@ -70,8 +70,8 @@ class Deformer {
   /// Returns a lower bound of the condition number of AᵀA, at the cost of a few solves.
   double condition_estimate(const Context& context = {}) const;
 
-  /// Returns the operator over the patch on which the system is solved (scaled to unit size): D, h, H, Δ, P,
-  /// A. `patch_vertices` lists the patch's vertices. A shared operator also has rows for maps that are known
+  /// Returns the operator over the patch on which the system is solved (scaled to unit size): L, Δ, H, P, A.
+  /// `patch_vertices` lists the patch's vertices. A shared operator also has rows for maps that are known
   /// in this Deformer. For study.
   const AffineOperator& affine_operator() const;
   std::span<const Index> patch_vertices() const;

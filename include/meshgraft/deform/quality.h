@@ -40,7 +40,7 @@ struct Quality {
   /// Free faces turned by > 90° against the mean normal of the faces around their corners (weighted by area
   /// at rest) that were not so at rest.
   Index flipped_faces = 0;
-  /// Pairs of faces, at least one of them free, that intersect and did not at rest (deform/intersections.h).
+  /// Pairs of faces, at least one of them free, that intersect and did not at rest (exact).
   /// Absent if not asked for.
   std::optional<std::int64_t> new_self_intersections;
 };

@@ -18,7 +18,7 @@ namespace meshgraft {
 using NormalMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, std::int64_t>;
 
 enum class SolverBackend {
-  automatic,     ///< `multifrontal` where the build has it, else `eigen`
+  automatic,     ///< `multifrontal` if built, else `eigen`; a Deformer may choose `iterative`
   multifrontal,  ///< our Cholesky on dense fronts; minimum degree or, for large matrices, nested dissection
   eigen,         ///< Eigen's simplicial Cholesky, approximate minimum degree
   /// Two-grid preconditioned conjugate gradients: for regions whose factor does not fit the memory.

@@ -36,7 +36,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const
 
 /// Numbers of pairs of faces that intersect after a merge (exact).
 struct MergeIntersections {
-  std::int64_t result = 0;  ///< pairs of the result with a face of the source or the seam
+  std::int64_t result = 0;  ///< pairs of the result that touch a vertex of the source or the seam
   std::int64_t source = 0;  ///< pairs of the given source; 0 if the result has none
 
   bool any_new() const { return result > source; }
@@ -53,8 +53,8 @@ struct DropResult {
   std::vector<Note> notes;  ///< in addition to the merge's own
 };
 
-/// Grafts a source onto a surface without a hole. It opens a hole of the shape of the source's loop
-/// (`open_hole`), and grafts the source there in its size.
+/// Grafts a source onto a surface without a hole. It opens a hole of the shape of the source's loop, and
+/// grafts the source there in its size.
 ///
 /// Without a given size up to three smaller ones are tried. That happens as long as the graft turns inside
 /// out, or intersects the target although the undeformed source would stand clear of it. The source bends

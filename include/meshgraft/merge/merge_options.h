@@ -80,8 +80,8 @@ enum class StripMethod {
 
 struct SeamOptions {
   StripMethod strip = StripMethod::optimal;
-  /// Bound of edge lengths of the target's loop / the source's mean edge length. The target's ring at the seam
-  /// is halved until this holds.
+  /// Largest mean edge length of the target's loop / that of the source's. The target's ring at the seam is
+  /// halved until this holds.
   double edge_ratio = 2;
   int smoothing_steps = 2;      ///< fairings of the band, each a linear solve; 0 leaves it unchanged
   int target_rings = 3;         ///< rings of the target that they may move; 0 leaves it unchanged bit for bit
@@ -100,7 +100,7 @@ struct MergeOptions {
   Reach reach{};               ///< influence radius
   std::vector<Index> fixed{};  ///< fixed source vertices (pose `keep`)
   std::vector<MergeFeature> features{};
-  std::optional<double> size{};  ///< scale of the source beyond the influence radius; absent: found
+  std::optional<double> size{};  ///< scale beyond the influence radius (pose `keep`: at the loops)
   double normal_angle_deg = 0;   ///< turn of the target's normals about the tangents of its loops
   bool smooth_boundary = false;  ///< smooth ragged loops along themselves first
   bool fix_winding = false;      ///< flip the source where the direction of its loops requires it

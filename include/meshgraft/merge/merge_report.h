@@ -69,7 +69,7 @@ struct MergeReport {
   Index source_vertices_added = 0, target_vertices_added = 0;  ///< added by refinement
   std::vector<Note> notes;
   double match_seconds = 0, assemble_seconds = 0, factorise_seconds = 0, solve_seconds = 0, seam_seconds = 0,
-         measure_seconds = 0, total_seconds = 0;
+         total_seconds = 0;
 };
 
 }  // namespace meshgraft

@@ -10,7 +10,7 @@ namespace meshgraft {
 
 struct SampleInfo {
   std::string_view name;         ///< "octopus", "head", …
-  std::string_view description;  ///< one line for `meshgraft sample --list`
+  std::string_view description;  ///< one line, for lists
   int default_resolution = 0;    ///< about the square root of the number of vertices
 };
 

@@ -131,7 +131,7 @@ struct DeformSettings {
   /// solve (FT05 section 6). The result has the original vertices only.
   int refine_boundary = 0;
   /// Approximate number of vertices of the decimated proxy that is solved in place of the region
-  /// (deform/proxy.h). 0: the region itself is solved.
+  /// (deform/quick_frames.h). 0: the region itself is solved.
   Index proxy = 0;
   /// Treats boundary vertices at exactly the same position as one vertex for the solve (a soup, a seam of
   /// UVs).

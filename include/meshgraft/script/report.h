@@ -45,7 +45,6 @@ struct StageSeconds {
   double assemble = 0;  ///< set-up other than `analyse` and `factorise`
   double analyse = 0;
   double factorise = 0;
-  double basis = 0;  ///< columns that make later evaluations cheap
   double solve = 0;
   double seam = 0;
   double measure = 0;  ///< residual, conditioning, quality
