@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "merge/closed_curves.h"
+#include "merge/loop_pairs.h"
 
 namespace meshgraft {
 namespace {
@@ -21,22 +22,14 @@ struct BoundaryCase {
 BoundaryCase boundary_case(const test::ClosedCurve& curve) {
   BoundaryCase result{curve.name, {}, {}, {}, {}};
   const Index n = curve.size();
-  result.source.points = curve.points;
-  result.source.normals.resize(n, 3);
+  result.source = test::loop_of_curve(curve.points);
+  result.target = test::reversed_loop(result.source);
   for (Index k = 0; k < n; ++k) {
-    result.source.normals.row(k) =
-        Eigen::RowVector3d(curve.points(k, 0), curve.points(k, 1), 0.2 * std::sin(k)).normalized();
     result.pair.source.push_back(10 + k);
     result.pair.target.push_back(n - 1 - k);
     result.correspondence.loop_parameter.push_back(n - 1 - k);
   }
-  result.target.points = curve.points.colwise().reverse();
-  result.target.normals = result.source.normals.colwise().reverse();
   return result;
-}
-
-LoopGeometry mapped_loop(const LoopGeometry& loop, const Eigen::Affine3d& map) {
-  return {test::mapped(loop.points, map), (loop.normals * map.linear().transpose()).rowwise().normalized()};
 }
 
 std::vector<BoundaryCase> boundary_cases() {
@@ -49,7 +42,7 @@ TEST(BoundaryCondition, OfASimilarLoopIsTheSimilarity) {
   for (const BoundaryCase& test : boundary_cases())
     for (const Eigen::Affine3d& map : test::similarities()) {
       SCOPED_TRACE(test.name);
-      const LoopGeometry target = mapped_loop(test.target, map);
+      const LoopGeometry target = test::mapped_loop(test.target, map);
       const auto constraints = boundary_constraints(test.pair, test.source, target, test.correspondence, {});
       ASSERT_EQ(constraints.size(), test.pair.source.size());
       for (std::size_t k = 0; k < constraints.size(); ++k) {
@@ -63,7 +56,7 @@ TEST(BoundaryCondition, OfASimilarLoopIsTheSimilarity) {
 
 TEST(BoundaryCondition, WithAKeptPoseDoesNotTurn) {
   for (const BoundaryCase& test : boundary_cases()) {
-    const LoopGeometry target = mapped_loop(test.target, test::similarities()[1]);
+    const LoopGeometry target = test::mapped_loop(test.target, test::similarities()[1]);
     BoundaryOptions options{.pose = MergePose::keep};
     for (const VertexConstraint& held :
          boundary_constraints(test.pair, test.source, target, test.correspondence, options)) {
@@ -125,7 +118,7 @@ Similarity pose_of_case(const BoundaryCase& test, const LoopGeometry& source, co
 TEST(PoseOfBoundary, FindsASimilarity) {
   for (const BoundaryCase& test : boundary_cases())
     for (const Eigen::Affine3d& map : test::similarities()) {
-      const Similarity pose = pose_of_case(test, test.source, mapped_loop(test.target, map));
+      const Similarity pose = pose_of_case(test, test.source, test::mapped_loop(test.target, map));
       EXPECT_LT((affine(pose).matrix() - map.matrix()).norm(), 1e-9 * map.matrix().norm()) << test.name;
     }
 }
@@ -136,8 +129,8 @@ TEST(PoseOfBoundary, FollowsSimilaritiesOfEitherSide) {
     for (const Eigen::Affine3d& map : test::similarities()) {
       const BoundaryCase &from = cases[k], &to = cases[k + 3];
       const Eigen::Affine3d pose = affine(pose_of_case(from, from.source, to.target));
-      const Eigen::Affine3d after = affine(pose_of_case(from, from.source, mapped_loop(to.target, map)));
-      const Eigen::Affine3d before = affine(pose_of_case(from, mapped_loop(from.source, map), to.target));
+      const Eigen::Affine3d after = affine(pose_of_case(from, from.source, test::mapped_loop(to.target, map)));
+      const Eigen::Affine3d before = affine(pose_of_case(from, test::mapped_loop(from.source, map), to.target));
       EXPECT_LT((after.matrix() - (map * pose).matrix()).norm(), 1e-9 * after.matrix().norm()) << from.name;
       EXPECT_LT((before.matrix() - (pose * map.inverse()).matrix()).norm(), 1e-9 * before.matrix().norm())
           << from.name;
@@ -146,7 +139,7 @@ TEST(PoseOfBoundary, FollowsSimilaritiesOfEitherSide) {
 
 TEST(PoseOfBoundary, KeepsAPrescribedScaleAndTheCentre) {
   for (const BoundaryCase& test : boundary_cases()) {
-    const LoopGeometry target = mapped_loop(test.target, test::similarities()[2]);
+    const LoopGeometry target = test::mapped_loop(test.target, test::similarities()[2]);
     const Similarity free = pose_of_case(test, test.source, target),
                      fixed = pose_of_case(test, test.source, target, 7.0);
     EXPECT_EQ(fixed.scale, 7.0);

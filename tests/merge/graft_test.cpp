@@ -7,34 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "merge/closed_curves.h"
+#include "merge/graft_scenes.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 
 namespace meshgraft {
 namespace {
-
-/// A source with one loop that is grafted.
-struct GraftScene {
-  test::TestMesh mesh;
-  IndexLists rings;
-  std::vector<std::vector<Index>> loops;
-  std::vector<Index> component;
-
-  explicit GraftScene(test::TestMesh family)
-      : mesh(std::move(family)), rings(vertex_rings(mesh.size(), mesh.triangles)) {
-    const Mesh whole = make_mesh(mesh.positions, mesh.triangles);
-    loops = {boundary_loops(whole).at(0)};
-    component = connected_components(whole);
-  }
-};
-
-std::vector<GraftScene> graft_scenes() {
-  std::vector<GraftScene> scenes;
-  for (const test::TestMesh& mesh :
-       {test::tube(12, 20), test::irregular_grid(14, 9), test::grid(12, 12), test::tube(9, 7)})
-    scenes.emplace_back(mesh);
-  return scenes;
-}
 
 TEST(LoopRadius, IsTheRootMeanSquareFromTheCentre) {
   for (const test::ClosedCurve& curve : test::closed_curves()) {
@@ -50,7 +28,7 @@ TEST(LoopRadius, IsTheRootMeanSquareFromTheCentre) {
 }
 
 TEST(BeyondInfluenceRadius, CountsRingsOfEdges) {
-  for (const GraftScene& scene : graft_scenes())
+  for (const test::GraftScene& scene : test::graft_scenes())
     for (const int rings : {0, 1, 3}) {
       const std::vector<Index> far =
           beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.rings = rings}, 1);
@@ -63,7 +41,7 @@ TEST(BeyondInfluenceRadius, CountsRingsOfEdges) {
 }
 
 TEST(BeyondInfluenceRadius, MeasuresLengthsAlongEdges) {
-  for (const GraftScene& scene : graft_scenes()) {
+  for (const test::GraftScene& scene : test::graft_scenes()) {
     const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings);
     const std::vector<Index> always_near = grow_rings(scene.loops[0], 2, scene.rings);
     std::size_t last = scene.mesh.positions.rows();
@@ -83,7 +61,7 @@ TEST(BeyondInfluenceRadius, MeasuresLengthsAlongEdges) {
 }
 
 TEST(BeyondInfluenceRadius, ByDefaultLeavesTheFartherHalfAtLeast) {
-  for (const GraftScene& scene : graft_scenes()) {
+  for (const test::GraftScene& scene : test::graft_scenes()) {
     const auto distance = edge_distance(scene.loops[0], scene.mesh.positions, scene.rings);
     const double farthest = *std::max_element(distance.begin(), distance.end());
     const std::vector<Index> far =
@@ -97,22 +75,15 @@ TEST(BeyondInfluenceRadius, ByDefaultLeavesTheFartherHalfAtLeast) {
   }
 }
 
-std::vector<VertexConstraint> constraints_of(const GraftScene& scene, const Eigen::Affine3d& map) {
-  std::vector<VertexConstraint> constraints;
-  for (const Index v : scene.loops[0])
-    constraints.push_back(
-        {v, map * Eigen::Vector3d(scene.mesh.positions.row(v).transpose()), Eigen::Matrix3d(map.linear())});
-  return constraints;
-}
-
 TEST(SolveGraft, ReproducesASimilarityOfTheLoop) {
-  for (const GraftScene& scene : graft_scenes())
+  for (const test::GraftScene& scene : test::graft_scenes())
     for (const Eigen::Affine3d& map : test::similarities())
       for (const MergeShape shape : {MergeShape::similar, MergeShape::ft05}) {
         const std::vector<Index> far =
             beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {}, 1);
-        const Graft graft = solve_graft(scene.mesh.positions, scene.mesh.triangles, constraints_of(scene, map),
-                                        far, scene.component, {.shape = shape}, {});
+        const Graft graft =
+            solve_graft(scene.mesh.positions, scene.mesh.triangles, test::constraints_of(scene, map), far,
+                        scene.component, {.shape = shape}, {});
         const Points expected = test::mapped(scene.mesh.positions, map);
         EXPECT_LT(test::largest_distance(graft.positions, expected), 1e-6 * map.linear().norm())
             << scene.mesh.name;
@@ -120,11 +91,11 @@ TEST(SolveGraft, ReproducesASimilarityOfTheLoop) {
 }
 
 TEST(SolveGraft, MeetsItsConstraintsExactlyAndKeepsThePoseBeyondReach) {
-  for (const GraftScene& scene : graft_scenes()) {
+  for (const test::GraftScene& scene : test::graft_scenes()) {
     const std::vector<Index> far =
         beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.rings = 3}, 1);
     Eigen::Affine3d map(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
-    const auto constraints = constraints_of(scene, map);
+    const auto constraints = test::constraints_of(scene, map);
     const Graft graft = solve_graft(scene.mesh.positions, scene.mesh.triangles, constraints, far,
                                     scene.component, {.pose = MergePose::keep}, {});
     for (const VertexConstraint& held : constraints)
@@ -134,11 +105,11 @@ TEST(SolveGraft, MeetsItsConstraintsExactlyAndKeepsThePoseBeyondReach) {
 }
 
 TEST(SolveGraft, TheFarPartFollowsOneSimilarity) {
-  for (const GraftScene& scene : graft_scenes()) {
+  for (const test::GraftScene& scene : test::graft_scenes()) {
     const std::vector<Index> far =
         beyond_influence_radius(scene.mesh.positions, scene.rings, scene.loops, {.rings = 3}, 1);
     if (far.size() < 8) continue;
-    auto constraints = constraints_of(scene, test::similarities()[0]);
+    auto constraints = test::constraints_of(scene, test::similarities()[0]);
     for (std::size_t k = 0; k < constraints.size(); ++k)
       *constraints[k].position *= 1 + 0.02 * std::sin(static_cast<double>(k));
     const Graft graft =
