@@ -29,7 +29,7 @@ inline std::vector<std::string> spellings(const CLI::Option& option) {
   return names;
 }
 
-/// Whether a value follows the option.
+/// Returns whether a value follows the option.
 inline bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
 }  // namespace meshgraft::cli

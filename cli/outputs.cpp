@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether two paths name the same file, however they are spelled, and through links.
+// Returns whether two paths name the same file, however they are spelled, and through links.
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code missing;
   if (fs::equivalent(a, b, missing) && !missing) return true;
@@ -36,7 +36,7 @@ void require_access(const std::error_code& error, const fs::path& output) {
   if (error) throw io::file_error(output, facts::io::Action::write, error);
 }
 
-// Whether `output` is the material library beside an OBJ or the buffer beside a .gltf.
+// Returns whether `output` is the material library beside an OBJ or the buffer beside a .gltf.
 bool is_companion_of(const fs::path& mesh, const fs::path& output) {
   const fs::path extension = mesh.extension();
   const bool is_obj = extension == ".obj" || extension == ".OBJ";

@@ -8,7 +8,7 @@
 
 namespace meshgraft::io {
 
-/// Whether the bytes of numbers in a little-endian file have to be swapped on this machine.
+/// Returns whether the bytes of numbers in a little-endian file have to be swapped on this machine.
 inline constexpr bool swap_little_endian = std::endian::native != std::endian::little;
 
 /// Load and store one scalar of a binary file. `swap` is true if the file's byte order is not the machine's.

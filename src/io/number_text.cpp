@@ -50,7 +50,7 @@ ParsedNumber parse_legacy_special(std::string_view text) {
   return {0, NumberFault::malformed};
 }
 
-/// Whether a text that the parser found out of range is too small rather than too large.
+/// Returns whether a text that the parser found out of range is too small rather than too large.
 bool is_tiny(std::string_view text) {
   const std::size_t exponent = text.find_first_of("eE");
   if (exponent != std::string_view::npos) return text.substr(exponent + 1).starts_with('-');

@@ -32,7 +32,7 @@ void append_number(std::string& text, double value, ScalarType type);
 /// Returns `value` rounded to the nearest value of `type`. `fault` is out_of_range if there is none.
 ParsedNumber narrow(double value, ScalarType type);
 
-/// Whether two values are equal bit for bit. Any NaN equals any other.
+/// Returns whether two values are equal bit for bit. Any NaN equals any other.
 bool same_value(double a, double b);
 
 bool is_integer(ScalarType type);

@@ -56,7 +56,7 @@ using GltfValue = std::array<double, 4>;
 /// The bytes of each buffer.
 using GltfBytes = std::vector<std::string_view>;
 
-/// Whether glTF allows indices of this type.
+/// Returns whether glTF allows indices of this type.
 bool is_index_type(ScalarType type);
 
 /// Checks an accessor and its ranges. Throws Error(input) naming the member that is missing, unknown or out

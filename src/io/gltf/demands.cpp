@@ -16,7 +16,7 @@ namespace {
 
 constexpr Index corners_per_check = 1 << 18;
 
-/// Whether two values are equal. 0 equals -0, and NaN equals NaN.
+/// Returns whether two values are equal. 0 equals -0, and NaN equals NaN.
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 bool agree(const GltfChanges& a, const GltfChanges& b) {

@@ -32,7 +32,7 @@ using GltfDemands = std::vector<GltfDemand>;
 std::vector<GltfDemands> demands_of(const GltfDocument& document, const Mesh& mesh, std::vector<Note>& notes,
                                     const Context& context);
 
-/// Whether two values are equal up to the rounding of a node's transform.
+/// Returns whether two values are equal up to the rounding of a node's transform.
 bool nearly_equal(const GltfValue& a, const GltfValue& b);
 
 /// A mesh of the file, and the instance whose demands it must meet.

@@ -85,7 +85,7 @@ std::vector<std::string> gltf_labels(const JsonView& root, const char* array, co
 /// Error(input) if the hierarchy is not a tree.
 std::vector<GltfInstance> instances_of(const JsonView& root);
 
-/// Whether a primitive consists of triangles (a list, a strip or a fan).
+/// Returns whether a primitive consists of triangles (a list, a strip or a fan).
 bool has_triangles(const Json& primitive);
 
 constexpr std::uint32_t no_element = std::numeric_limits<std::uint32_t>::max();

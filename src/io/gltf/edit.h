@@ -28,7 +28,7 @@ class GltfEdit {
   GltfBytes bytes() const;
   GltfAccessor accessor(std::size_t index) const { return resolve_accessor(view(), index, bytes()); }
 
-  /// Whether every element has bytes of its own and every value fits the accessor's type.
+  /// Returns whether every element has bytes of its own and every value fits the accessor's type.
   static bool can_store(const GltfAccessor& accessor, const GltfChanges& changes);
 
   /// Overwrites the values in the buffers. Updates the accessor's min and max if it has them.

@@ -70,7 +70,7 @@ class JsonPatcher {
     replace(begin, after.dump());
   }
 
-  /// Whether the members can be patched one by one. They cannot if one was removed or is written twice,
+  /// Returns whether the members can be patched one by one. They cannot if one was removed or is written twice,
   /// because readers differ in which of the two counts.
   bool can_patch_members(const Json& before, const Json& after) {
     if (before.empty()) return false;

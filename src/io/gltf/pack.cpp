@@ -86,8 +86,8 @@ class GltfPacker {
     }
   }
 
-  /// Whether the buffer belongs to this file alone. A buffer with another name or in another folder may serve
-  /// other files.
+  /// Returns whether the buffer belongs to this file alone. A buffer with another name or in another folder may
+  /// serve other files.
   bool is_own(const fs::path& buffer) const {
     fs::path own = path_;
     return buffer.lexically_normal() == own.replace_extension(".bin").lexically_normal();
@@ -112,8 +112,8 @@ class GltfPacker {
     written_.companions.push_back({file, std::string(bytes_[b])});
   }
 
-  /// Whether all buffers can move into one chunk. Absent data cannot, nor can data that an extension may
-  /// refer to.
+  /// Returns whether all buffers can move into one chunk. Absent data cannot, nor can data that an extension
+  /// may refer to.
   bool can_merge() const {
     const auto is_there = [](const GltfBuffer& buffer) {
       return buffer.storage != GltfBuffer::Storage::absent;

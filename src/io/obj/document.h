@@ -73,7 +73,7 @@ struct ObjCorner {
 /// Parses "v", "v/vt", "v//vn" or "v/vt/vn". Returns false if the word has none of these forms.
 bool parse_obj_corner(std::string_view word, ObjCorner& corner);
 
-/// Whether the keyword is that of a face. "fo" is its old name.
+/// Returns whether the keyword is that of a face. "fo" is its old name.
 inline bool is_face_keyword(std::string_view keyword) { return keyword == "f" || keyword == "fo"; }
 
 }  // namespace meshgraft::io

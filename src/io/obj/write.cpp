@@ -71,7 +71,7 @@ class NormalPlan {
     return same_value(a[0], b[0]) && same_value(a[1], b[1]) && same_value(a[2], b[2]);
   }
 
-  /// Whether the corner's normal is missing or equals the file's.
+  /// Returns whether the corner's normal is missing or equals the file's.
   bool is_unchanged(std::size_t corner, const std::vector<double>& values) const {
     const Triple value = {values[3 * corner], values[3 * corner + 1], values[3 * corner + 2]};
     const bool missing = std::isnan(value[0]) || std::isnan(value[1]) || std::isnan(value[2]);

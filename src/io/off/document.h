@@ -31,7 +31,8 @@ struct OffDocument : FileDocument {
   std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 
-/// Whether a word has digits without a point or an exponent. A colour of such words ranges from 0 to 255.
+/// Returns whether a word has digits without a point or an exponent. A colour of such words ranges from 0 to
+/// 255.
 bool is_spelled_whole(std::string_view word);
 
 /// Returns the divisor that turns a face's colour in the file into values of the attribute. It is 255 for

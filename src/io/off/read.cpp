@@ -26,7 +26,7 @@ struct Keyword {
   std::size_t size = 0;  ///< 0: the text does not begin with a keyword
 };
 
-/// Whether a character may follow the keyword. Files of one well-known collection have the counts right
+/// Returns whether a character may follow the keyword. Files of one well-known collection have the counts right
 /// behind it: "OFF490 518 0".
 bool may_follow_keyword(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '#' || (c >= '0' && c <= '9');

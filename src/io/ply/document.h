@@ -76,7 +76,7 @@ struct PlyDocument : FileDocument {
 /// the `texnumber` of faces counts them.
 std::vector<std::filesystem::path> texture_files(const PlyDocument& document);
 
-/// Whether the byte order of a binary file is not the machine's.
+/// Returns whether the byte order of a binary file is not the machine's.
 bool needs_swap(PlyEncoding encoding);
 
 /// Walks over the values of an ascii body, one record per line. Line ends may be LF, CRLF or CR.

@@ -49,7 +49,7 @@ std::optional<std::size_t> find_property(const PlyElement& element, std::string_
   return std::nullopt;
 }
 
-/// Whether the attribute name implies a number of components that a single property cannot have.
+/// Returns whether the attribute name implies a number of components that a single property cannot have.
 bool has_fixed_meaning(std::string_view name) { return name == "normal" || name == "colour" || name == "uv"; }
 
 bool has_attribute(const std::vector<Attribute>& attributes, Domain domain, std::string_view name) {

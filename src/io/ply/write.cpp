@@ -249,8 +249,8 @@ class PlyComposer {
     }
   }
 
-  /// Whether the attribute is a colour between 0 and 1 from a format without integer colours. Such colours
-  /// become bytes, as PLY readers expect.
+  /// Returns whether the attribute is a colour between 0 and 1 from a format without integer colours. Such
+  /// colours become bytes, as PLY readers expect.
   static bool is_unit_colour(const Attribute* attribute) {
     return attribute != nullptr && attribute->name == "colour" && attribute->source_names.empty() &&
            !is_integer(attribute->type);

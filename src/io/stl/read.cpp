@@ -20,8 +20,8 @@ namespace meshgraft::io {
 
 namespace {
 
-/// Whether the size is that of a binary file. Many binary files begin with "solid", so only the size tells
-/// them from ascii files.
+/// Returns whether the size is that of a binary file. Many binary files begin with "solid", so only the size
+/// tells them from ascii files.
 bool has_binary_size(std::string_view content) {
   if (content.size() < stl_layout::first_facet) return false;
   const std::uint64_t body = content.size() - stl_layout::first_facet;

@@ -19,7 +19,7 @@ namespace meshgraft::io {
 
 namespace {
 
-// Whether the vertices agree up to a tolerance. lib3mf parses them as floats by arithmetic of its own.
+// Returns whether the vertices agree up to a tolerance. lib3mf parses them as floats by arithmetic of its own.
 bool same_vertices(const ThreemfVertices& vertices, const ThreemfModel::Object& object) {
   if (vertices.positions.rows() != static_cast<Eigen::Index>(object.vertices.size())) return false;
   if (object.vertices.empty()) return true;

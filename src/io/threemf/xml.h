@@ -35,7 +35,7 @@ struct ThreemfPart {
 /// has a malformed one.
 ThreemfPart scan_part(std::string_view xml, const std::string& location);
 
-/// Whether bytes and characters of the part are the same, so that its tags can be rewritten.
+/// Returns whether bytes and characters of the part are the same, so that its tags can be rewritten.
 bool is_utf8(std::string_view xml);
 
 /// Appends the `<vertex …>` tag with the coordinates that differ between `from` and `to` replaced by the
