@@ -80,8 +80,7 @@ def main(names):
     unknown = [name for name in names if name not in CONFIGURATIONS]
     if unknown:
         sys.exit(f"run_tests.py: no configuration {', '.join(unknown)}; there are {', '.join(CONFIGURATIONS)}")
-    # One more than there are cores: the page's tests wait half of the time.
-    os.environ.setdefault("CTEST_PARALLEL_LEVEL", str((os.cpu_count() or 1) + 1))
+    os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(os.cpu_count() or 1))
     if shutil.which("ccache"):  # configurations that compile a source alike do it once
         os.environ.setdefault("CMAKE_CXX_COMPILER_LAUNCHER", "ccache")
         os.environ.setdefault("CCACHE_BASEDIR", str(ROOT))  # and clones in other places, too
