@@ -151,8 +151,10 @@ TEST_F(RunEdit, MovesCurvesOfAnyCopiesOfTheirVertices) {
                                                 list + R"(]},
                      "pose": {"translate": [0, 0, 2]}}]})",
                                             R"({"file": "soup.ply"})"));
+    const Points moved = result.mesh.positions - result.rest;
+    const Eigen::RowVector3d up(0, 0, 2);
     for (std::size_t c = 0; c < origin.size(); ++c)
-      if (origin[c] / side == 5) EXPECT_NEAR(result.mesh.positions(static_cast<Index>(c), 2), 2, 1e-9) << list;
+      if (origin[c] / side == 5) EXPECT_LT((moved.row(static_cast<Index>(c)) - up).norm(), 1e-9) << list;
   }
 }
 
@@ -453,8 +455,7 @@ TEST_F(RunEdit, ReportsEverythingThatIsDocumented) {
     EXPECT_TRUE(json.contains(field)) << field;
   for (const char* count : {"vertices", "faces", "free", "fixed", "handle", "degenerate"})
     EXPECT_TRUE(json["counts"].contains(count)) << count;
-  for (const char* stage :
-       {"read", "check", "assemble", "analyse", "factorise", "basis", "solve", "write", "total"})
+  for (const char* stage : {"read", "check", "assemble", "analyse", "factorise", "solve", "write", "total"})
     EXPECT_TRUE(json["seconds"].contains(stage)) << stage;
   EXPECT_GT(json["solver"]["factor_nonzeros"], 0);
   EXPECT_GT(json["condition_estimate"], 1);
