@@ -19,12 +19,12 @@
 #include "cli/facts.h"
 #include "commands.h"
 #include "loops.h"
+#include "mesh/sound_mesh.h"
 #include "outputs.h"
 #include "script/fact_json.h"
 #include "values.h"
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
-#include "mesh/sound_mesh.h"
 #include "picture.h"
 #endif
 

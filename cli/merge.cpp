@@ -19,6 +19,7 @@
 #include "choices.h"
 #include "cli/facts.h"
 #include "commands.h"
+#include "merge/merge_conflict.h"
 #include "outputs.h"
 #include "selection_text.h"
 #include "summary.h"
@@ -26,7 +27,6 @@
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
-#include "merge/merge_conflict.h"
 #include "picture.h"
 #endif
 
