@@ -23,8 +23,8 @@ SparseRows harmonic_operator(const EditProblem& problem, const std::vector<doubl
   return power;
 }
 
-/// Returns the surface without detail below `detail_size_rel` × mean edge length, or without any detail if that is 0. Solves
-/// N b + μ M (b − p) = 0, which halves the amplitude of a wave of that length.
+/// Returns the surface without detail below `detail_size_rel` × mean edge length, or without any detail if that
+/// is 0. Solves N b + μ M (b − p) = 0, which halves the amplitude of a wave of that length.
 Points base_surface(const EditProblem& problem, const SparseRows& N, const std::vector<double>& areas,
                     const BaselineOptions& options, const Context& context) {
   const std::vector<double> lengths = mean_edge_lengths(problem.rest(), problem.rings);

@@ -116,7 +116,8 @@ TEST(RegionMask, NamesWhatIsWrongAndWhere) {
       {"deform.no_vertices", "feature 1", [](Region& r, auto&) { r.features = {{.vertices = {1}}, {}}; }},
       {"deform.handle_constrains_nothing", "handle 'a'",
        [](Region& r, auto&) { r.handles = {handle_of("a", {1}, false, false)}; }},
-      {"deform.vertex_named_twice", "handle 'a'", [](Region& r, auto&) { r.handles = {handle_of("a", {1, 1})}; }},
+      {"deform.vertex_named_twice", "handle 'a'",
+       [](Region& r, auto&) { r.handles = {handle_of("a", {1, 1})}; }},
       {"deform.vertex_also_fixed", "handle 'a'",
        [](Region& r, auto&) {
          r.fixed = {1};

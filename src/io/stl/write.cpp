@@ -49,8 +49,8 @@ FloatPoint facet_normal(const std::array<Eigen::Vector3d, 3>& corners) {
 
 Eigen::Vector3d to_vector(const FloatPoint& point) { return Eigen::Vector3d(point[0], point[1], point[2]); }
 
-/// Returns whether two coordinates are equal. 0 and -0 are equal, so corners that differ only in that are one vertex
-/// and keep their spelling.
+/// Returns whether two coordinates are equal. 0 and -0 are equal, so corners that differ only in that are one
+/// vertex and keep their spelling.
 template <class Real>
 bool same_place(Real a, Real b) {
   return a == b || (std::isnan(a) && std::isnan(b));
