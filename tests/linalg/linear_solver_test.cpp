@@ -251,7 +251,7 @@ TEST(Backends, OneThatIsNotBuiltInIsRefusedByName) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_EQ(error.id(), "linalg.no_multifrontal_solver");
-    EXPECT_NE(error.remedy().find("'auto'"), std::string::npos) << error.remedy();
+    EXPECT_NE(error.remedy().find("another backend"), std::string::npos) << error.remedy();
     EXPECT_NE(error.remedy().find("MESHGRAFT_WITH_MULTIFRONTAL"), std::string::npos) << error.remedy();
   }
 }
