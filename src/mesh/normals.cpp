@@ -182,7 +182,7 @@ Points vertex_normals(const Points& positions, const Triangles& triangles, const
         sum += area.row(t).transpose();
         size += area.row(t).cwiseAbs().transpose();
       }
-      // Where faces lie back to back, rounding alone is left of the sum.
+      // The sum of faces that lie back to back is zero but for rounding.
       constexpr double rounding = 1e-12;
       if ((sum.array().abs() <= rounding * size.maxCoeff()).all()) sum.setZero();
       normals.row(v) = unit_or_zero(sum).transpose();

@@ -317,7 +317,7 @@ TEST(ConstrainedSystem, SharedPartsGiveTheSolutionOfASystemSetUpAlone) {
     alone.system->evaluate(constraints, {}, b, nullptr, nullptr, {});
     const double bound = std::max(1e-9 * mesh.box_diagonal(), test::eight_ulp(mesh.positions));
     EXPECT_LE(test::largest_distance(a, b), bound);
-    // What was known before cannot be an unknown of a shared operator.
+    // A shared operator has no unknown that was known before.
     const SystemScene fewer(mesh, region, options, &alone);
     EXPECT_FALSE(fewer.summary.reused);
   }

@@ -133,7 +133,7 @@ TEST_F(RunEdit, TakesTargetsOfAnyCopyOfAPlace) {
 TEST_F(RunEdit, MovesCurvesOfAnyCopiesOfTheirVertices) {
   std::vector<Index> origin;
   write_mesh(soup_of(sheet(), origin), folder_ / "soup.ply");
-  // Of the vertices of the line y = 5, the first copies, the last copies, or all of them.
+  // The lists have the first copy, the last copy or all copies of each vertex of the line y = 5.
   std::array<std::string, 3> lists;
   for (Index x = 0; x < side; ++x) {
     std::vector<Index> copies;
