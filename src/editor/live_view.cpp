@@ -332,7 +332,7 @@ Json LiveView::pose_as_shown(const std::vector<Index>& vertices) const {
     shown = exact_->last;
   }
   if (!shown) return Json::object();
-  const SelectionContext& selections = *base_->selections;
+  const SelectionMesh& selections = *base_->selections;
   const Points& rest = selections.mesh.positions;
   Handle handle;
   for (const Index v : vertices) handle.vertices.push_back(base_->weld.of(v));

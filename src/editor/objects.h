@@ -27,7 +27,7 @@ struct Object {
   int id = 0;  ///< identifies the mesh to the page
   Weld weld;
   Mesh welded;
-  std::optional<SelectionContext> selections;  ///< of the mesh, or of the welded one
+  std::optional<SelectionMesh> selections;  ///< of the mesh, or of the welded one
   std::vector<std::vector<Index>> loops;       ///< of the mesh, numbered as in merge steps
   Triangles triangles;                         ///< of the mesh
   std::vector<Index> triangle_faces;           ///< per triangle: the face that contains it

@@ -23,7 +23,7 @@ Index vertex_in(const json::Value& value, const Object& base) {
   return base.weld.of(vertex);
 }
 
-std::vector<Index> component_of(Index vertex, const SelectionContext& context) {
+std::vector<Index> component_of(Index vertex, const SelectionMesh& context) {
   const std::vector<Index>& components = context.components;
   std::vector<Index> found;
   for (std::size_t v = 0; v < components.size(); ++v)
@@ -31,7 +31,7 @@ std::vector<Index> component_of(Index vertex, const SelectionContext& context) {
   return components[vertex] < 0 ? std::vector<Index>{vertex} : found;
 }
 
-std::vector<Index> loop_of(const json::Value& value, Index vertex, const SelectionContext& context) {
+std::vector<Index> loop_of(const json::Value& value, Index vertex, const SelectionMesh& context) {
   for (std::vector<Index> loop : context.loops) {
     if (std::find(loop.begin(), loop.end(), vertex) == loop.end()) continue;
     std::sort(loop.begin(), loop.end());

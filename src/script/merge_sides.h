@@ -17,7 +17,7 @@ struct MergeSide {
   std::string name;  ///< "source" or "target", as in fields and messages
   const Scene& scene;
   SoundMesh usable;  ///< the mesh to merge; loops and selections are the scene's
-  SelectionContext context;
+  SelectionMesh context;
   SelectionResolver selections;
 
   MergeSide(std::string name_, const EditFile& edit, const Scene& scene_)

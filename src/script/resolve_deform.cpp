@@ -80,7 +80,7 @@ bool ends_share_edge(const std::vector<Index>& curve, const IndexLists& rings) {
   return std::binary_search(ring.begin(), ring.end(), curve.back());
 }
 
-Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, const SelectionContext& context,
+Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, const SelectionMesh& context,
                       const std::string& location) {
   Handle handle;
   handle.name = spec.name;
@@ -108,7 +108,7 @@ HandlePose pose_of_matrix(const Eigen::Matrix4d& matrix) {
 }
 
 HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const SelectionResolver& selections,
-                        const EditFile& edit, const SelectionContext& context, const std::string& location) {
+                        const EditFile& edit, const SelectionMesh& context, const std::string& location) {
   const Points& rest = context.mesh.positions;
   if (const auto* motion = std::get_if<HandleMotion>(&spec.kind))
     return make_pose(*motion, motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings));
@@ -129,7 +129,7 @@ HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const Select
 // Per-vertex constraints that join targets and transforms.
 class OwnConstraints {
  public:
-  OwnConstraints(const SelectionContext& context, Roles& roles) : context_(context), roles_(roles) {}
+  OwnConstraints(const SelectionMesh& context, Roles& roles) : context_(context), roles_(roles) {}
 
   void add(const TargetSpec& target, const std::string& where) {
     VertexConstraint& constraint = constraint_of(target.vertex, where);
@@ -181,7 +181,7 @@ class OwnConstraints {
     return entry->second;
   }
 
-  const SelectionContext& context_;
+  const SelectionMesh& context_;
   Roles& roles_;
   std::map<Index, VertexConstraint> constraints_;
 };
@@ -204,7 +204,7 @@ void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found,
 // Resolves a deform step to vertices and numbers.
 class DeformResolver {
  public:
-  DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+  DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionMesh& context,
                  const std::string& location, const ProducedSets& produced)
       : edit_(edit), step_(step), context_(context), location_(location), selections_(edit, context, produced) {
     if (!step.symmetry) return;
@@ -359,7 +359,7 @@ class DeformResolver {
 
   const EditFile& edit_;
   const DeformStep& step_;
-  const SelectionContext& context_;
+  const SelectionMesh& context_;
   const std::string& location_;
   SelectionResolver selections_;
   std::optional<MirrorMatch> symmetry_;
@@ -369,7 +369,7 @@ class DeformResolver {
 
 }  // namespace
 
-ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionMesh& context,
                               const std::string& location, const ProducedSets& produced) {
   return DeformResolver(edit, step, context, location, produced).resolve();
 }

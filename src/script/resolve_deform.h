@@ -38,7 +38,7 @@ struct ResolvedDeform {
 /// - counts differ;
 /// - or the mesh lacks a symmetry that the step requires (script.no_mirror_image, script.not_mirrored, …).
 /// Throws Error(io) for a file that cannot be read.
-ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionContext& context,
+ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionMesh& context,
                               const std::string& location, const ProducedSets& produced = {});
 
 /// Returns notes about handles that are their own mirror image while their poses are not.

@@ -29,7 +29,7 @@ namespace {
 // Returns how many rings around the region the solve uses: stencils of stencils, and their normals.
 int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
 
-void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionContext& selections,
+void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionMesh& selections,
                                  int reach) {
   std::vector<Index> vertices = region.vertices;
   if (region.whole) {
@@ -272,7 +272,7 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const st
   if (!setup.weld.empty()) setup.welded = welded(scene.mesh, setup.weld);
   const Mesh& mesh = setup.weld.empty() ? scene.mesh : setup.welded;
   {
-    const SelectionContext selections(mesh, setup.weld);
+    const SelectionMesh selections(mesh, setup.weld);
     setup.problem.deform = resolve_deform(edit, step, selections, location, scene.produced);
     require_usable_within_reach(scene, setup.problem.deform.region, selections, reach_rings(settings));
   }

@@ -26,7 +26,7 @@ namespace meshgraft {
 class SelectionResolver {
  public:
   /// The arguments must outlive the resolver.
-  SelectionResolver(const EditFile& edit, const SelectionContext& context, const ProducedSets& produced)
+  SelectionResolver(const EditFile& edit, const SelectionMesh& context, const ProducedSets& produced)
       : edit_(edit), context_(context), produced_(produced) {}
 
   /// Returns distinct vertices, ascending.
@@ -150,7 +150,7 @@ class SelectionResolver {
   }
 
   const EditFile& edit_;
-  const SelectionContext& context_;
+  const SelectionMesh& context_;
   const ProducedSets& produced_;
   std::map<std::string, std::vector<Index>> named_;
 };

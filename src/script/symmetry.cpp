@@ -21,7 +21,7 @@ namespace meshgraft {
 namespace {
 
 // Returns the vertices that belong to a face and have finite positions.
-std::vector<Index> candidates_of(const SelectionContext& context) {
+std::vector<Index> candidates_of(const SelectionMesh& context) {
   std::vector<Index> candidates;
   for (Index v = 0; v < context.mesh.vertex_count(); ++v)
     if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
@@ -45,7 +45,7 @@ std::vector<Index> joined(const std::vector<Index>& a, const std::vector<Index>&
 
 }  // namespace
 
-MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string location)
+MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& context, std::string location)
     : context_(context),
       location_(std::move(location)),
       reflection_(meshgraft::reflection(symmetry.plane, location_ + ".normal")),

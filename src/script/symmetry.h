@@ -27,7 +27,7 @@ struct Lack {
 class MirrorMatch {
  public:
   /// `location` is that of the field `symmetry`. Throws Error(input) for an invalid plane.
-  MirrorMatch(const SymmetrySpec& symmetry, const SelectionContext& context, std::string location);
+  MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& context, std::string location);
 
   const Eigen::Affine3d& reflection() const { return reflection_; }
 
@@ -64,7 +64,7 @@ class MirrorMatch {
   Lack lack_of(const std::vector<Index>& vertices) const;
   double image_distance(Index v) const { return distance_[v]; }
 
-  const SelectionContext& context_;
+  const SelectionMesh& context_;
   std::string location_;
   Eigen::Affine3d reflection_;
   double tolerance_rel_ = 0, diagonal_ = 0;

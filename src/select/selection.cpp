@@ -61,7 +61,7 @@ std::vector<Index> vertices_where(Index vertex_count, const Predicate& predicate
 }
 
 // Returns the vertices with finite positions that belong to a face.
-std::vector<Index> candidates_of(const SelectionContext& context) {
+std::vector<Index> candidates_of(const SelectionMesh& context) {
   std::vector<Index> candidates;
   for (Index v = 0; v < context.mesh.vertex_count(); ++v)
     if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
@@ -71,7 +71,7 @@ std::vector<Index> candidates_of(const SelectionContext& context) {
 // Finds shortest edge paths that avoid blocked vertices.
 class PathFinder {
  public:
-  explicit PathFinder(const SelectionContext& context)
+  explicit PathFinder(const SelectionMesh& context)
       : context_(context),
         blocked_(context.mesh.vertex_count(), false),
         distance_(context.mesh.vertex_count(), unreached),
@@ -107,7 +107,7 @@ class PathFinder {
   }
 
  private:
-  const SelectionContext& context_;
+  const SelectionMesh& context_;
   Flags blocked_;
   std::vector<double> distance_;
   std::vector<Index> previous_;
@@ -115,7 +115,7 @@ class PathFinder {
 
 class Resolver {
  public:
-  explicit Resolver(const SelectionContext& context) : context_(context), count_(context.mesh.vertex_count()) {}
+  explicit Resolver(const SelectionMesh& context) : context_(context), count_(context.mesh.vertex_count()) {}
 
   std::vector<Index> resolve(const Selection& selection, const std::string& location) const {
     std::vector<Index> found =
@@ -344,13 +344,13 @@ class Resolver {
     return ascending(images, [](Index) { return true; });
   }
 
-  const SelectionContext& context_;
+  const SelectionMesh& context_;
   Index count_;
 };
 
 }  // namespace
 
-SelectionContext::SelectionContext(const Mesh& the_mesh, Weld the_weld)
+SelectionMesh::SelectionMesh(const Mesh& the_mesh, Weld the_weld)
     : mesh(the_mesh), weld(std::move(the_weld)) {
   auto [the_rings, the_components, the_loops] = connectivity(the_mesh);
   rings = std::move(the_rings);
@@ -358,7 +358,7 @@ SelectionContext::SelectionContext(const Mesh& the_mesh, Weld the_weld)
   loops = std::move(the_loops);
 }
 
-std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
+std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context,
                            const std::string& location) {
   return Resolver(context).resolve(selection, location);
 }

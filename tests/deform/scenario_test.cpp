@@ -172,7 +172,7 @@ TEST_P(Selections, RebuildTheScenario) {
   if (!std::filesystem::exists(path))
     GTEST_SKIP() << "no test data in " << scenario_folder() << "; set MESHGRAFT_DATA";
   Scenario scenario(path);
-  const SelectionContext context(scenario.mesh);
+  const SelectionMesh context(scenario.mesh);
   const auto part = [](const Vector3d& tip, double length) {
     return Selection(Selection::GrowLength{
         std::make_shared<const Selection>(Selection(Selection::NearestVertex{tip})), length});

@@ -130,7 +130,7 @@ DeformStep step_of(const SymmetricMesh& symmetric, const HandleMotion& motion, D
 }
 
 ResolvedDeform resolved(const SymmetricMesh& symmetric, const DeformStep& step) {
-  const SelectionContext context(symmetric.mesh);
+  const SelectionMesh context(symmetric.mesh);
   return resolve_deform({}, step, context, "edit.json: steps[0]");
 }
 
@@ -360,7 +360,7 @@ TEST(Symmetry, AScanThatIsNearlySymmetricIsMatchedWithinATolerance) {
   const std::vector<Index>& twin = deform.region.handles[1].vertices;
   EXPECT_GE(twin.size(), held.size() * 8 / 10);
   // The image has no holes: a vertex is held if all its neighbours are held.
-  const SelectionContext context(scan.mesh);
+  const SelectionMesh context(scan.mesh);
   for (Index v = 0; v < scan.mesh.vertex_count(); ++v) {
     const auto ring = context.rings[v];
     const auto is_held = [&](Index w) { return std::binary_search(twin.begin(), twin.end(), w); };

@@ -28,7 +28,7 @@ class OnGrid : public testing::Test {
  protected:
   // The grid has 7×7 vertices in the plane z = 0, with index 7·y + x.
   const Mesh mesh = shapes::grid(6, 6);
-  const SelectionContext context{mesh};
+  const SelectionMesh context{mesh};
 
   Indices select(Selection::Kind kind) const { return resolve(Selection(std::move(kind)), context, "roi"); }
 
@@ -150,7 +150,7 @@ TEST_F(OnGrid, MirrorIsSymmetric) {
                "core.negative_or_not_finite");
 }
 
-void expect_path(const Indices& path, const SelectionContext& context, bool closed) {
+void expect_path(const Indices& path, const SelectionMesh& context, bool closed) {
   EXPECT_EQ(std::set<Index>(path.begin(), path.end()).size(), path.size()) << "a vertex comes twice";
   for (std::size_t k = 0; k + (closed ? 0 : 1) < path.size(); ++k) {
     const auto ring = context.rings[path[k]];
@@ -215,7 +215,7 @@ TEST_F(OnGrid, PathNamesWhatIsWrong) {
 TEST(SelectionOnParts, ComponentsAndLoops) {
   Mesh mesh = shapes::together({shapes::tube(5, 2), shapes::tube(8, 1)});
   shapes::add_vertex(mesh, {0, 0, 0.1});
-  const SelectionContext context(mesh);
+  const SelectionMesh context(mesh);
   const auto select = [&](Selection::Kind kind) {
     return resolve(Selection(std::move(kind)), context, "fixed");
   };
@@ -248,14 +248,14 @@ TEST(SelectionOnParts, PathNeedsOneComponent) {
   Mesh far = shapes::tube(5, 2);
   far.positions.rowwise() += Eigen::RowVector3d(10, 0, 0);
   const Mesh mesh = shapes::together({shapes::tube(5, 2), far});
-  const SelectionContext context(mesh);
+  const SelectionMesh context(mesh);
   EXPECT_THROW(resolve(Selection(Selection::Path{{{1, 0, 0}, {11, 0, 0}}}), context, "curve"), Error);
 }
 
 TEST(SelectionOnParts, AMeshWithoutFacesHasOnlyVertices) {
   Mesh points;
   points.positions = Points::Zero(3, 3);
-  const SelectionContext context(points);
+  const SelectionMesh context(points);
   EXPECT_EQ(resolve(Selection(Selection::All{}), context, "roi").size(), 3);
   const auto expect_error = [&](Selection::Kind kind, const std::string& id) {
     try {
@@ -273,7 +273,7 @@ TEST(SelectionOnParts, AMeshWithoutFacesHasOnlyVertices) {
 
 TEST(SelectionMirror, FindsTheOtherSideOfATorus) {
   const Mesh torus = shapes::torus(16, 9);
-  const SelectionContext context(torus);
+  const SelectionMesh context(torus);
   const auto upper = std::make_shared<const Selection>(Selection::Sphere{{3, 0, 0}, 1.5});
   const Eigen::Vector3d origin(0, 0, 0), normal(1, 0, 0);
   const Indices rest = resolve(*upper, context, "handle");

@@ -16,8 +16,8 @@ namespace meshgraft {
 
 /// The mesh and connectivity against which selections are resolved. It is made once per mesh, and the mesh
 /// must outlive it. For a welded mesh it takes the weld; selections then consist of representatives.
-struct SelectionContext {
-  explicit SelectionContext(const Mesh& mesh, Weld weld = {});
+struct SelectionMesh {
+  explicit SelectionMesh(const Mesh& mesh, Weld weld = {});
   const Mesh& mesh;
   Weld weld;
   IndexLists rings;                       ///< vertex rings over the polygons' edges
@@ -124,7 +124,7 @@ class Selection {
 /// loop that does not exist (core.no_such_vertex, select.no_such_component, select.no_such_loop), a malformed
 /// shape, or points of a path that are not connected (select.no_way_along_edges). The error's location is
 /// `location` (a field of the edit file) with the field inside it.
-std::vector<Index> resolve(const Selection& selection, const SelectionContext& context,
+std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context,
                            const std::string& location);
 
 }  // namespace meshgraft
