@@ -73,7 +73,7 @@ class LiveView {
   const std::vector<ShownHandle>& handles() const { return shown_.handles; }
   /// The document's poses, one per element of `handles()`.
   const std::vector<HandlePose>& poses() const { return shown_.poses; }
-  const std::optional<SymmetryFacts>& symmetry() const { return shown_.symmetry; }
+  const std::optional<SymmetryReport>& symmetry() const { return shown_.symmetry; }
   /// Returns notes about deviations of the result from the request.
   std::vector<Note> notes() const;
   Json counts() const;
@@ -117,7 +117,7 @@ class LiveView {
     Region region;
     std::shared_ptr<const std::vector<Index>> moving;
     std::vector<ShownHandle> handles;
-    std::optional<SymmetryFacts> symmetry;
+    std::optional<SymmetryReport> symmetry;
     std::vector<Note> notes;        ///< without those about poses
     std::vector<HandlePose> poses;  ///< of the document
     Origin origin;

@@ -180,14 +180,14 @@ Json settings_in_force(const StepReport& step) {
           {"weld", step.settings.weld}};
 }
 
-Json proxy_json(const std::optional<ProxyFacts>& proxy) {
+Json proxy_json(const std::optional<ProxyReport>& proxy) {
   if (!proxy) return nullptr;
   return {{"vertices", proxy->vertices}, {"free", proxy->free_vertices}, {"spacing", proxy->spacing}};
 }
 
 Json symmetry_json(const StepReport& step) {
   if (!step.symmetry) return nullptr;
-  const SymmetryFacts& facts = *step.symmetry;
+  const SymmetryReport& facts = *step.symmetry;
   Json twins = Json::array(), own = Json::array();
   const std::size_t first = step.handles.size() - facts.twin_of.size();
   for (std::size_t t = 0; t < facts.twin_of.size(); ++t) twins.push_back(step.handles[first + t]);

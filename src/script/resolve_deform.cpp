@@ -374,7 +374,7 @@ ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, cons
   return DeformResolver(edit, step, context, location, produced).resolve();
 }
 
-std::vector<Note> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+std::vector<Note> pose_notes(const SymmetryReport& symmetry, std::span<const Handle> handles,
                              std::span<const HandlePose> poses, const Points& rest) {
   std::vector<Note> notes;
   for (const std::size_t h : symmetry.own)

@@ -26,7 +26,7 @@ struct ResolvedDeform {
   std::vector<HandlePose> poses;  ///< one per handle of `region`
   /// Constraints of `targets` and `transforms`, ascending by vertex.
   std::vector<VertexConstraint> constraints;
-  std::optional<SymmetryFacts> symmetry;
+  std::optional<SymmetryReport> symmetry;
   std::vector<Note> notes;  ///< about deviations from the request
 };
 
@@ -43,7 +43,7 @@ ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, cons
 
 /// Returns notes about handles that are their own mirror image while their poses are not.
 /// `poses` has one pose per handle.
-std::vector<Note> pose_notes(const SymmetryFacts& symmetry, std::span<const Handle> handles,
+std::vector<Note> pose_notes(const SymmetryReport& symmetry, std::span<const Handle> handles,
                              std::span<const HandlePose> poses, const Points& rest);
 
 }  // namespace meshgraft

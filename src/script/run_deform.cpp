@@ -132,7 +132,7 @@ const DeformerSummary& note_facts(const Deformer& deformer, StepReport&) { retur
 
 const DeformerSummary& note_facts(const ProxyDeformer& deformer, StepReport& report) {
   const ProxySummary& summary = deformer.summary();
-  report.proxy = ProxyFacts{summary.vertices, summary.deformer.free_vertices, summary.spacing};
+  report.proxy = ProxyReport{summary.vertices, summary.deformer.free_vertices, summary.spacing};
   return summary.deformer;
 }
 

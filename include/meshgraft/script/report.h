@@ -58,14 +58,14 @@ struct DeformCounts {
 };
 
 /// The decimated proxy that was solved in place of a region.
-struct ProxyFacts {
+struct ProxyReport {
   Index vertices = 0;       ///< vertices of the proxy, including those around the region
   Index free_vertices = 0;  ///< proxy vertices whose position was solved for
   double spacing = 0;       ///< edge length for which the proxy was made, model units
 };
 
 /// Handles and vertices that the symmetry of a step concerns.
-struct SymmetryFacts {
+struct SymmetryReport {
   Eigen::Affine3d reflection = Eigen::Affine3d::Identity();
   /// Per twin: index of its handle; twins come after all handles of the step.
   std::vector<std::size_t> twin_of;
@@ -114,8 +114,8 @@ struct StepReport {
   std::optional<double> condition_estimate;  ///< condition number of AᵀA; absent if not asked for
   /// Absent where the region itself was solved. If present, `solver` and `evaluation` describe the solve on
   /// the proxy.
-  std::optional<ProxyFacts> proxy;
-  std::optional<SymmetryFacts> symmetry;  ///< absent if not asked for
+  std::optional<ProxyReport> proxy;
+  std::optional<SymmetryReport> symmetry;  ///< absent if not asked for
   std::vector<std::string> handles;       ///< names; twins follow the step's own handles
   double max_displacement = 0;            ///< model units
   Quality quality;
