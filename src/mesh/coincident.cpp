@@ -109,7 +109,7 @@ IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Ind
   return rows;
 }
 
-std::vector<Index> torn_vertices(const Mesh& mesh, const EdgeTable& table) {
+std::vector<Index> open_seam_vertices(const Mesh& mesh, const EdgeTable& table) {
   const std::vector<Index> boundary = boundary_vertices(mesh.vertex_count(), table);
   const std::vector<Index> classes = coincident_classes(mesh.positions, boundary);
   std::vector<Index> representative(mesh.vertex_count(), -1);

@@ -24,6 +24,6 @@ IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Ind
 /// Returns the boundary vertices, ascending, that must be merged to join coincident boundary edges. They lie
 /// at exactly the same position as another end of such an edge. Vertices whose boundaries touch only in a
 /// point are excluded.
-std::vector<Index> torn_vertices(const Mesh& mesh, const EdgeTable& table);
+std::vector<Index> open_seam_vertices(const Mesh& mesh, const EdgeTable& table);
 
 }  // namespace meshgraft

@@ -129,7 +129,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   add("isolated-vertex", Severity::repaired, Domain::vertex, counted<facts::mesh::IsolatedVertex>,
       where(vertices, [&](Index v) { return fans[v] == 0; }));
   add("duplicate-vertex", Severity::repaired, Domain::vertex, counted<facts::mesh::DuplicateVertex>,
-      torn_vertices(mesh, table));
+      open_seam_vertices(mesh, table));
   add("non-manifold-edge", Severity::note, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
       ends_of(table, crowded), crowded.size());
   add("non-manifold-vertex", Severity::note, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,

@@ -47,7 +47,7 @@ Weld coincident_boundary(const Mesh& mesh, const Context& context) {
   std::iota(all.begin(), all.end(), 0);
   if (coincident_classes(mesh.positions, all) == all) return {};
   context.step("weld", 0.5);
-  return weld_at(mesh, torn_vertices(mesh, EdgeTable(mesh.vertex_count(), mesh.faces)));
+  return weld_at(mesh, open_seam_vertices(mesh, EdgeTable(mesh.vertex_count(), mesh.faces)));
 }
 
 Weld weld_at(const Mesh& mesh, std::span<const Index> vertices) {

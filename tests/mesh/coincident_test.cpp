@@ -60,13 +60,13 @@ TEST(TornVertices, AreTheEndsOfInnerEdgesOfASoup) {
     SCOPED_TRACE(family.name);
     const Mesh mesh = make_mesh(family.positions, family.triangles), soup = test::as_soup(mesh);
     const EdgeTable table(mesh.vertex_count(), mesh.faces);
-    EXPECT_TRUE(torn_vertices(mesh, table).empty());
+    EXPECT_TRUE(open_seam_vertices(mesh, table).empty());
     std::vector<Index> expected;
     for (Index c = 0; c < mesh.faces.corner_count(); ++c)
       if (!table.is_boundary(c) || !table.is_boundary(table.previous[c]))
         expected.push_back(soup.faces.corners()[c]);
     std::ranges::sort(expected);
-    EXPECT_EQ(torn_vertices(soup, EdgeTable(soup.vertex_count(), soup.faces)), expected);
+    EXPECT_EQ(open_seam_vertices(soup, EdgeTable(soup.vertex_count(), soup.faces)), expected);
   }
 }
 
