@@ -232,7 +232,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   try {
     if (step.at) {
       const Drop drop{step.at->surface_point, step.size, step.at->spin_deg, pairs.front().loops.source};
-      DropResult dropped = drop_part(target.usable.mesh(), part, drop, outcome.options, context);
+      DropResult dropped = drop_source(target.usable.mesh(), part, drop, outcome.options, context);
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
       report.notes = std::move(dropped.notes);

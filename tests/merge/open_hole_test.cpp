@@ -276,7 +276,7 @@ TEST(DropPart, GraftsOnAClosedTargetAndMapsItsVertices) {
       return static_cast<Index>(highest);
     }();
     const Drop drop{std::string(name) == "bar" ? Drop{bar_side} : Drop{top, 0.3}};
-    const DropResult result = drop_part(target, part, meeting_by(only_loop(part), drop));
+    const DropResult result = drop_source(target, part, meeting_by(only_loop(part), drop));
     EXPECT_TRUE(result.merge.report.seam.manifold && result.merge.report.seam.oriented) << name;
     EXPECT_EQ(result.merge.report.seam.euler_characteristic, summarise_topology(target).euler_characteristic);
     EXPECT_EQ(result.merge.report.shape.inverted, 0);

@@ -64,7 +64,7 @@ struct DropResult {
 /// Throws what `open_hole` and `merge_meshes` throw. Throws Error(input) with the id
 /// merge.dropped_source_inverted, naming `surface_point`, if the graft turns inside out in all tries (shape
 /// `similar`).
-DropResult drop_part(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options = {},
+DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options = {},
                      const Context& context = {});
 
 }  // namespace meshgraft
