@@ -62,8 +62,8 @@ std::optional<Number> parse_number(std::string_view text) {
 
 }  // namespace
 
-SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location) {
-  SelFile sel;
+SelRoles parse_sel(std::string_view text, Index vertex_count, const std::string& location) {
+  SelRoles sel;
   Index vertex = 0;
   for (const Word& word : words_of(text)) {
     if (vertex == vertex_count)

@@ -11,14 +11,14 @@
 namespace meshgraft {
 
 /// A `.sel` file of the standard deformation tests: one number per vertex, 0 fixed, 1 free, 2 handle.
-struct SelFile {
+struct SelRoles {
   std::vector<Index> fixed, free, handle;
 };
 
 /// Parses the text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line
 /// for anything but 0, 1 or 2, and for a count that differs from the mesh's (io.fewer_states_than_vertices,
 /// io.more_states_than_vertices).
-SelFile parse_sel(std::string_view text, Index vertex_count, const std::string& location);
+SelRoles parse_sel(std::string_view text, Index vertex_count, const std::string& location);
 
 /// Parses vertex indices (from 0) separated by white space, and returns them in their order. `#` starts a
 /// comment, and repeated indices are dropped. Throws Error(input) with `location` and the line for anything

@@ -346,11 +346,11 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
   return files;
 }
 
-std::string_view to_string(EditSelection::SelPart value) {
+std::string_view to_string(EditSelection::SelRole value) {
   switch (value) {
-    case EditSelection::SelPart::fixed: return "fixed";
-    case EditSelection::SelPart::free: return "free";
-    case EditSelection::SelPart::handle: return "handle";
+    case EditSelection::SelRole::fixed: return "fixed";
+    case EditSelection::SelRole::free: return "free";
+    case EditSelection::SelRole::handle: return "handle";
   }
   return "";
 }

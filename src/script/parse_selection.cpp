@@ -79,9 +79,9 @@ EditSelection::Kind parse_rim(const Value& value) {
   return rim;
 }
 
-EditSelection::SelPart parse_sel_part(const Value& value) {
-  using enum EditSelection::SelPart;
-  return value.choice<EditSelection::SelPart>({{"fixed", fixed}, {"free", free}, {"handle", handle}});
+EditSelection::SelRole parse_sel_role(const Value& value) {
+  using enum EditSelection::SelRole;
+  return value.choice<EditSelection::SelRole>({{"fixed", fixed}, {"free", free}, {"handle", handle}});
 }
 
 EditSelection::Kind parse_produced(const Value& value) {
@@ -127,7 +127,7 @@ EditSelection parse_selection(const Value& value) {
     if (!fields.has(key)) continue;
     EditSelection selection{parser(value.member(key))};
     if (auto* sel = std::get_if<EditSelection::SelFile>(&selection.kind))
-      sel->take = parse_sel_part(fields.required("take"));
+      sel->take = parse_sel_role(fields.required("take"));
     return selection;
   }
   value.fail(facts::script::FieldNeedsField{.field = "take", .needed = "sel"});

@@ -102,11 +102,11 @@ class SelectionResolver {
   }
   Selection bind_kind(const EditSelection::SelFile& sel, const std::string& location) {
     const std::string text = read(sel.file, location);
-    meshgraft::SelFile parts = parse_sel(text, vertex_count(), file_location(sel.file, location));
+    SelRoles parts = parse_sel(text, vertex_count(), file_location(sel.file, location));
     switch (sel.take) {
-      case EditSelection::SelPart::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
-      case EditSelection::SelPart::free: return Selection(Selection::Indices{std::move(parts.free)});
-      case EditSelection::SelPart::handle: break;
+      case EditSelection::SelRole::fixed: return Selection(Selection::Indices{std::move(parts.fixed)});
+      case EditSelection::SelRole::free: return Selection(Selection::Indices{std::move(parts.free)});
+      case EditSelection::SelRole::handle: break;
     }
     return Selection(Selection::Indices{std::move(parts.handle)});
   }

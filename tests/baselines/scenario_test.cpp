@@ -40,7 +40,7 @@ std::string read_text(const std::filesystem::path& path) {
 struct StandardTest {
   Points rest;
   Triangles triangles;
-  SelFile selection;
+  SelRoles selection;
   std::vector<VertexConstraint> constraints;
 
   explicit StandardTest(const std::string& name) {

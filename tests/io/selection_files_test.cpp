@@ -31,7 +31,7 @@ std::string problem_of(const std::function<void()>& call) {
 }
 
 TEST(ParseSel, SortsVerticesByTheirNumber) {
-  const SelFile sel = parse_sel("# status\r\n0 1 2\n\n2 # handle\n1\n", 5, "bar.sel");
+  const SelRoles sel = parse_sel("# status\r\n0 1 2\n\n2 # handle\n1\n", 5, "bar.sel");
   EXPECT_EQ(sel.fixed, Indices{0});
   EXPECT_EQ(sel.free, (Indices{1, 4}));
   EXPECT_EQ(sel.handle, (Indices{2, 3}));
@@ -102,7 +102,7 @@ TEST(ParseSelAndDef, ReadTheFilesOfTheStandardTests) {
     std::istringstream off(text_of(name + ".off").substr(4));
     Index vertices = 0;
     off >> vertices;
-    const SelFile sel = parse_sel(text_of(name + ".sel"), vertices, name + ".sel");
+    const SelRoles sel = parse_sel(text_of(name + ".sel"), vertices, name + ".sel");
     EXPECT_EQ(static_cast<Index>(sel.fixed.size() + sel.free.size() + sel.handle.size()), vertices);
     EXPECT_FALSE(sel.fixed.empty() || sel.free.empty() || sel.handle.empty());
     const Eigen::Matrix4d matrix = parse_def(text_of(name + ".def"), name + ".def");

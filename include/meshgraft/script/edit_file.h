@@ -24,7 +24,7 @@ namespace meshgraft {
 /// products of an earlier step. Running the step makes a `Selection` of it, which refers to nothing but a mesh.
 struct EditSelection {
   using Child = std::shared_ptr<const EditSelection>;
-  enum class SelPart { fixed, free, handle };
+  enum class SelRole { fixed, free, handle };
 
   /// An entry of `EditFile::selections`.
   struct Named {
@@ -37,7 +37,7 @@ struct EditSelection {
   /// The vertices with one role in a `.sel` file.
   struct SelFile {
     std::string file;
-    SelPart take = SelPart::handle;
+    SelRole take = SelRole::handle;
   };
   /// A product of an earlier step, e.g. the loop that a cut made; docs/edit-file.md lists them.
   struct Produced {
@@ -293,6 +293,6 @@ std::string write_edit(const EditFile& edit);
 /// folder.
 std::vector<std::filesystem::path> referenced_files(const EditFile& edit);
 
-std::string_view to_string(EditSelection::SelPart value);
+std::string_view to_string(EditSelection::SelRole value);
 
 }  // namespace meshgraft
