@@ -72,7 +72,7 @@ std::vector<Method> all_methods() {
           published(Baseline::lipman_2004),
           published(Baseline::sorkine_2004),
           published(Baseline::yu_2004),
-          published(Baseline::sorkine_alexa_2007),
+          published(Baseline::arap_2007),
           cgal(CgalMethod::spokes_and_rims, "SPOKES_AND_RIMS"),
           cgal(CgalMethod::sre_arap, "SRE_ARAP")};
 }

@@ -28,7 +28,7 @@ Points solve(Baseline method, const baselines::EditProblem& problem, const Basel
     case Baseline::lipman_2004: return baselines::deform_lipman_2004(problem, options, context);
     case Baseline::sorkine_2004: return baselines::deform_sorkine_2004(problem, options, context);
     case Baseline::yu_2004: return baselines::deform_yu_2004(problem, options, context);
-    case Baseline::sorkine_alexa_2007: return baselines::deform_arap_2007(problem, options, context).positions;
+    case Baseline::arap_2007: return baselines::deform_arap_2007(problem, options, context).positions;
   }
   throw Error(facts::baselines::NoSuchMethod{});
 }
@@ -41,7 +41,7 @@ std::string_view to_string(Baseline value) {
     case Baseline::lipman_2004: return "lipman-2004";
     case Baseline::sorkine_2004: return "sorkine-2004";
     case Baseline::yu_2004: return "yu-2004";
-    case Baseline::sorkine_alexa_2007: return "arap-2007";
+    case Baseline::arap_2007: return "arap-2007";
   }
   return "unknown";
 }

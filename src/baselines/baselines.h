@@ -23,12 +23,12 @@ enum class Baseline {
   /// SIGGRAPH 2004.
   yu_2004,
   /// Sorkine and Alexa, As-rigid-as-possible surface modeling, SGP 2007.
-  sorkine_alexa_2007,
+  arap_2007,
 };
 
 inline constexpr Baseline all_baselines[] = {Baseline::botsch_kobbelt_2004, Baseline::lipman_2004,
                                              Baseline::sorkine_2004, Baseline::yu_2004,
-                                             Baseline::sorkine_alexa_2007};
+                                             Baseline::arap_2007};
 
 /// Returns "botsch-kobbelt-2004", "lipman-2004", "sorkine-2004", "yu-2004" or "arap-2007".
 std::string_view to_string(Baseline value);

@@ -88,22 +88,22 @@ INSTANTIATE_TEST_SUITE_P(BotschSorkine, StandardTests,
                                          Expected{"bar", Baseline::lipman_2004, 0.1534, 21.42},
                                          Expected{"bar", Baseline::sorkine_2004, 0.3691, 41.75},
                                          Expected{"bar", Baseline::yu_2004, 0.0659, 6.61},
-                                         Expected{"bar", Baseline::sorkine_alexa_2007, 0.0389, 26.95},
+                                         Expected{"bar", Baseline::arap_2007, 0.0389, 26.95},
                                          Expected{"cactus", Baseline::botsch_kobbelt_2004, 0.1482, 16.84},
                                          Expected{"cactus", Baseline::lipman_2004, 0.1275, 8.25},
                                          Expected{"cactus", Baseline::sorkine_2004, 1.9632, 7.48},
                                          Expected{"cactus", Baseline::yu_2004, 0.0696, 2.30},
-                                         Expected{"cactus", Baseline::sorkine_alexa_2007, 0.0327, 14.92},
+                                         Expected{"cactus", Baseline::arap_2007, 0.0327, 14.92},
                                          Expected{"cylinder", Baseline::botsch_kobbelt_2004, 0.2527, 19.68},
                                          Expected{"cylinder", Baseline::lipman_2004, 0.2694, 2.59},
                                          Expected{"cylinder", Baseline::sorkine_2004, 0.3657, 16.22},
                                          Expected{"cylinder", Baseline::yu_2004, 0.1768, 1.78},
-                                         Expected{"cylinder", Baseline::sorkine_alexa_2007, 0.0310, 23.49},
+                                         Expected{"cylinder", Baseline::arap_2007, 0.0310, 23.49},
                                          Expected{"plane", Baseline::botsch_kobbelt_2004, 0.1031, 6.86},
                                          Expected{"plane", Baseline::lipman_2004, 0.1247, 4.50},
                                          Expected{"plane", Baseline::sorkine_2004, 0.1399, 2.82},
                                          Expected{"plane", Baseline::yu_2004, 0.1228, 5.34},
-                                         Expected{"plane", Baseline::sorkine_alexa_2007, 0.0066, 5.16}),
+                                         Expected{"plane", Baseline::arap_2007, 0.0066, 5.16}),
                          [](const auto& expected) {
                            std::string name = expected.param.test + std::string("_") +
                                               std::string(to_string(expected.param.method));
@@ -135,7 +135,7 @@ TEST_P(DefaultMethod, IsNotBeatenInBothMeasuresAtOnceAndDoesNotFold) {
   EXPECT_EQ(ours.flipped_faces, 0);
   EXPECT_LT(ours.edge_rms * ours.dihedral_p99_deg, standing.largest_share * standing.best_product_of_cgal);
   for (const Baseline method : {Baseline::botsch_kobbelt_2004, Baseline::lipman_2004, Baseline::sorkine_2004,
-                                Baseline::yu_2004, Baseline::sorkine_alexa_2007}) {
+                                Baseline::yu_2004, Baseline::arap_2007}) {
     const Quality other =
         quality_of(deform_by(method, {test.rest, test.triangles, {.whole = true}, test.constraints}), false);
     EXPECT_FALSE(other.edge_rms < ours.edge_rms && other.dihedral_p99_deg < ours.dihedral_p99_deg)

@@ -97,7 +97,7 @@ TEST(Compare, AMethodThatFailsIsARow) {
 }
 
 TEST(Compare, RunsAllStepsByTheMethod) {
-  const std::vector<Method> methods{Baseline::sorkine_alexa_2007};
+  const std::vector<Method> methods{Baseline::arap_2007};
   const Comparison comparison = compare_methods(bent_bar(R"(, "settings": {"method": "ft05"})", 2), methods);
   const EditReport& report = comparison.outcomes[0].result->report;
   ASSERT_EQ(report.steps.size(), 2u);
@@ -171,7 +171,7 @@ TEST(Compare, ProgressNamesTheMethod) {
   std::vector<std::string> stages;
   Context context;
   context.progress = [&](std::string_view stage, double) { stages.emplace_back(stage); };
-  const std::vector<Method> methods{DeformMethod::ft05, Baseline::sorkine_alexa_2007};
+  const std::vector<Method> methods{DeformMethod::ft05, Baseline::arap_2007};
   compare_methods(bent_bar(), methods, context);
   for (const char* stage : {"ft05 (1 of 2): solve", "arap-2007 (2 of 2): solve"})
     EXPECT_NE(std::find(stages.begin(), stages.end(), stage), stages.end()) << stage;
@@ -184,7 +184,7 @@ TEST(Compare, StopsWhenAsked) {
   context.progress = [&](std::string_view stage, double) {
     if (stage.starts_with("arap-2007")) stop.request_stop();
   };
-  const std::vector<Method> methods{DeformMethod::ft05, Baseline::sorkine_alexa_2007};
+  const std::vector<Method> methods{DeformMethod::ft05, Baseline::arap_2007};
   try {
     compare_methods(bent_bar(), methods, context);
     FAIL();
