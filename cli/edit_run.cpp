@@ -137,7 +137,7 @@ void add_overrides(CLI::App& command, EditRunArguments& arguments) {
   command.add_option("--stiffness", overrides.stiffness, "How strongly lengths are kept, from 0 on")
       ->type_name("X")
       ->check(number_from(0, 1e6));
-  command.add_option("--iterations", overrides.iterations, "Most co-rotational steps")
+  command.add_option("--iterations", overrides.iterations, "Most co-rotational iterations")
       ->type_name("N")
       ->check(whole_number_from(0, 1000));
   add_choice<DegenerateTreatment>(command, "--degenerate", overrides.degenerate,

@@ -140,7 +140,7 @@ TEST(Methods, OtherComponentsDoNotMatter) {
     const Points a = Deformer(both.positions, both.triangles, alone, options).evaluate(std::vector{head});
     const Points b =
         Deformer(both.positions, both.triangles, with_other, options).evaluate(std::vector{head, still, still});
-    // The co-rotational steps of all components stop together, so their number may differ.
+    // The co-rotational iterations of all components stop together, so their number may differ.
     const double tolerance = options.method == DeformMethod::corotational ? 1e-3 : 1e-9;
     EXPECT_LT(largest_distance(a, b), tolerance * scene.mesh.box_diagonal()) << describe(options);
   }

@@ -40,7 +40,7 @@ inline Points edit_head(const Scene& scene, const DeformerOptions& options) {
   return make_deformer(scene, held_foot(scene), options).evaluate(std::vector{pose_of(head_move(scene))});
 }
 
-/// Returns the tolerance for rounding. Co-rotational steps amplify it in badly conditioned solves, so that
+/// Returns the tolerance for rounding. Co-rotational iterations amplify it in badly conditioned solves, so that
 /// triangles of 1:1000 cost a digit.
 inline double step_tolerance(const TestMesh& mesh, const DeformerOptions& options) {
   const bool needles =

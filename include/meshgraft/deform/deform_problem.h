@@ -167,7 +167,7 @@ struct DeformerOptions {
   /// larger values are more rigid. Under `Density::aware` μ is relative to bending over the region's size,
   /// otherwise the rows have the plain weight μ.
   double stiffness = 60;
-  int iterations = 20;  ///< largest number of co-rotational steps
+  int iterations = 20;  ///< largest number of co-rotational iterations
   /// Length over which the co-rotational field is smoothed, × the width of the surface between constraints.
   double smoothing_length_rel = 0.09;
   // The operator.
@@ -195,7 +195,7 @@ struct DeformerSummary {
 struct EvaluationReport {
   double residual = 0;                 ///< ‖Aᵀ(b − A x)‖ / ‖Aᵀ b‖, 0 for a zero right-hand side
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
-  int iterations = 0;                  ///< co-rotational steps made
+  int iterations = 0;                  ///< co-rotational iterations made
   int solver_iterations = 0;           ///< iterations of the backend `iterative` in the last solve
   double last_rotation_change = 0;     ///< RMS change of F asked for by the last step, radians
   Index inverted_maps = 0;             ///< free vertices whose local map has a determinant of 0 or less

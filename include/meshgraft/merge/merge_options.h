@@ -104,7 +104,7 @@ struct MergeOptions {
   double normal_angle_deg = 0;   ///< turn of the target's normals about the tangents of its loops
   bool smooth_boundary = false;  ///< smooth ragged loops along themselves first
   bool fix_winding = false;      ///< flip the source where the direction of its loops requires it
-  /// Options of the solve. A source that follows a similarity takes more co-rotational steps to settle than a
+  /// Options of the solve. A source that follows a similarity takes more co-rotational iterations to settle than a
   /// bend does.
   DeformerOptions deformer{.iterations = 60};
   SeamOptions seam{};

@@ -13,7 +13,7 @@
 
 namespace meshgraft {
 
-/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational steps use samples of the
+/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational iterations use samples of the
 /// surface, which are means over cells of vertices.
 ///
 /// A solution is linear in `width()` rows of coefficients, three columns each:

@@ -312,7 +312,7 @@ Index ConstrainedSystem::count_inverted(const Columns& maps) const {
 /// Replaces each similarity's affine map by the similarity of least cost and updates the other unknowns. Let
 /// K be the cost of a change of (T, t), and let t be optimal for T. The similarity then minimises
 /// tr (sRᵀ − Tᵀ)ᵀ K̄ (sRᵀ − Tᵀ), a Procrustes problem. The result is exact for one feature. Several features
-/// converge in the co-rotational steps.
+/// converge in the co-rotational iterations.
 void ConstrainedSystem::impose_similarities(Columns& y) const {
   if (similarities_.empty()) return;
   const Eigen::Index count = similarity_stiffness_.rows();

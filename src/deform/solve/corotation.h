@@ -6,7 +6,7 @@
 
 namespace meshgraft {
 
-// One co-rotational step, for all vertices of the surface or for samples of it.
+// One co-rotational iteration, for all vertices of the surface or for samples of it.
 
 /// The steps stop when the root mean square change of the field falls below this, in radians.
 constexpr double settled_change = 1e-3;

@@ -21,7 +21,7 @@ class RotationField {
 
   struct Result {
     ConstrainedSystem::Problem problem;  ///< the field, and the unknowns of the last step
-    int iterations = 0;                  ///< number of co-rotational steps performed
+    int iterations = 0;                  ///< number of co-rotational iterations performed
     double change = 0;                   ///< root mean square change that the last step asked for, radians
     bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
   };
@@ -29,7 +29,7 @@ class RotationField {
 
   const SurfaceFields& fields() const { return fields_; }
   const Points& normals() const { return *normals_; }  ///< Returns the normals of the patch at rest.
-  int iterations() const { return iterations_; }       ///< Returns the largest number of co-rotational steps.
+  int iterations() const { return iterations_; }       ///< Returns the largest number of co-rotational iterations.
 
  private:
   static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,
