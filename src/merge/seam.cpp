@@ -228,21 +228,21 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
     result.new_faces.push_back(f);
 
   context.step("seam", 0.6);
-  const Points unsmoothed = mesh.positions;
+  const Points unfaired = mesh.positions;
   const std::vector<Attribute> attributes = mesh.attributes;
   result.band = fair_seam(mesh, layout, options, context);
-  renew_normals(mesh, layout, unsmoothed);
+  renew_normals(mesh, layout, unfaired);
 
   context.step("seam", 0.8);
-  result.report = measure_seam(mesh, layout, unsmoothed);
+  result.report = measure_seam(mesh, layout, unfaired);
   constexpr double folded_deg = 120;                  // chosen: edges bent more look folded over
   if (result.report.dihedral_p99_deg > folded_deg) {  // fairing does not help faces of extreme shape
-    Mesh unfaired = mesh;
-    unfaired.positions = unsmoothed;
-    unfaired.attributes = attributes;
-    const SeamReport before = measure_seam(unfaired, layout, unsmoothed);
+    Mesh without_fairing = mesh;
+    without_fairing.positions = unfaired;
+    without_fairing.attributes = attributes;
+    const SeamReport before = measure_seam(without_fairing, layout, unfaired);
     if (before.dihedral_p99_deg < result.report.dihedral_p99_deg) {
-      mesh = std::move(unfaired);
+      mesh = std::move(without_fairing);
       result.band.clear();
       result.report = before;
       result.notes.push_back(facts::merge::SeamNotFaired{});

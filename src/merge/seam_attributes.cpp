@@ -91,10 +91,10 @@ void add_strip(Mesh& mesh, std::span<const std::array<Index, 3>> triangles, std:
   for (const auto& triangle : triangles) mesh.faces.push_back(triangle);
 }
 
-void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed) {
+void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unfaired) {
   const bool has_normals = std::any_of(mesh.attributes.begin(), mesh.attributes.end(), is_normal);
   if (!has_normals) return;
-  update_normals(mesh, unsmoothed);
+  update_normals(mesh, unfaired);
   const Points normals = vertex_normals(mesh);
   Flags on_strip(mesh.vertex_count(), false);
   const Index first_new = layout.target_faces + layout.source_faces;

@@ -17,6 +17,6 @@ void label_sides(Mesh& mesh, const SeamLayout& layout);
 void add_strip(Mesh& mesh, std::span<const std::array<Index, 3>> triangles, std::span<const Index> neighbour);
 
 /// Updates normals where the mesh has any: rotated where the band moved, recomputed on and around the strips.
-void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed);
+void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unfaired);
 
 }  // namespace meshgraft

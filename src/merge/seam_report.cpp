@@ -52,7 +52,7 @@ void measure_shape(const SeamPatch& patch, SeamReport& report) {
 
 }  // namespace
 
-SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed) {
+SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unfaired) {
   SeamReport report;
   const TopologySummary topology = summarise_topology(mesh);
   report.manifold = topology.manifold;
@@ -63,7 +63,7 @@ SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points
   measure_shape(make_seam_patch(mesh, layout, neighbourhood_rings), report);
   const auto n = static_cast<Eigen::Index>(layout.target_vertices);
   if (n > 0) {
-    const double largest = (mesh.positions.topRows(n) - unsmoothed.topRows(n)).rowwise().norm().maxCoeff();
+    const double largest = (mesh.positions.topRows(n) - unfaired.topRows(n)).rowwise().norm().maxCoeff();
     report.band_displacement_rel = largest / box_diagonal_of_faces(mesh);
   }
   return report;

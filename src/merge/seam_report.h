@@ -6,8 +6,8 @@
 
 namespace meshgraft {
 
-/// Measures a finished seam. `unsmoothed`: the mesh's positions before its band was smoothed. Leaves the
+/// Measures a finished seam. `unfaired`: the mesh's positions before its band was smoothed. Leaves the
 /// fields about the inputs unset.
-SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unsmoothed);
+SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unfaired);
 
 }  // namespace meshgraft
