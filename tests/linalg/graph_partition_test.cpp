@@ -39,16 +39,16 @@ TEST(BisectGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
     const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
     const std::vector<Index> group = numbers_below(mesh.vertex_count());
     constexpr int levels = 3;
-    const BisectionTree cuts = bisect_graph({group, &rings}, levels);
-    EXPECT_EQ(bisect_graph({group, &rings}, levels).part, cuts.part) << sample;
-    ASSERT_EQ(cuts.levels, levels);
+    const BisectionTree bisection = bisect_graph({group, &rings}, levels);
+    EXPECT_EQ(bisect_graph({group, &rings}, levels).part, bisection.part) << sample;
+    ASSERT_EQ(bisection.levels, levels);
     std::vector<int> size(1U << levels, 0);
     int across = 0;
     for (Index v = 0; v < mesh.vertex_count(); ++v) {
-      ASSERT_GE(cuts.part[v], 0);
-      ASSERT_LT(cuts.part[v], 1 << levels);
-      ++size[cuts.part[v]];
-      for (const Index w : rings[v]) across += cuts.part[v] != cuts.part[w] ? 1 : 0;
+      ASSERT_GE(bisection.part[v], 0);
+      ASSERT_LT(bisection.part[v], 1 << levels);
+      ++size[bisection.part[v]];
+      for (const Index w : rings[v]) across += bisection.part[v] != bisection.part[w] ? 1 : 0;
     }
     const auto [smallest, largest] = std::minmax_element(size.begin(), size.end());
     EXPECT_LT(*largest, 1.3 * *smallest) << sample;
@@ -59,8 +59,8 @@ TEST(BisectGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
 TEST(BisectGraph, LeavesAGraphWholeThatIsToHaveOnePart) {
   const Mesh mesh = make_sample("torus", 12);
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
-  const BisectionTree cuts = bisect_graph({numbers_below(mesh.vertex_count()), &rings}, 0);
-  EXPECT_EQ(cuts.part, std::vector<int>(static_cast<std::size_t>(mesh.vertex_count()), 0));
+  const BisectionTree bisection = bisect_graph({numbers_below(mesh.vertex_count()), &rings}, 0);
+  EXPECT_EQ(bisection.part, std::vector<int>(static_cast<std::size_t>(mesh.vertex_count()), 0));
 }
 
 TEST(GraphPartition, StopsWhenAsked) {

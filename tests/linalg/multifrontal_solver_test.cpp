@@ -53,14 +53,14 @@ TEST(MultifrontalSolver, CutsAGraphOnceForSeveralSystems) {
   const IndexLists rings = grid_neighbours(k, k);
   const NormalMatrix matrix = grid_matrix(k);
   const std::vector<Index> group = numbers_below(matrix.rows());
-  const auto cuts = std::make_shared<BisectionTree>();
+  const auto bisection = std::make_shared<BisectionTree>();
   auto alone = make_solver(), first = make_solver(), second = make_solver();
   alone->analyse(matrix, {group, &rings});
-  first->analyse(matrix, {group, &rings, cuts});
-  const BisectionTree filled = *cuts;
+  first->analyse(matrix, {group, &rings, bisection});
+  const BisectionTree filled = *bisection;
   EXPECT_EQ(filled.part.size(), group.size());
-  second->analyse(matrix, {group, &rings, cuts});
-  EXPECT_EQ(cuts->part, filled.part);
+  second->analyse(matrix, {group, &rings, bisection});
+  EXPECT_EQ(bisection->part, filled.part);
   for (const auto* solver : {&first, &second})
     EXPECT_EQ((*solver)->statistics().factor_nonzeros, alone->statistics().factor_nonzeros);
 }

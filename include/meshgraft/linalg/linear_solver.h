@@ -55,7 +55,7 @@ struct OrderingGraph {
   const IndexLists* neighbours = nullptr;  ///< per group: neighbours; null if no graph is known
   /// Bisection tree that the caller keeps for several systems over one graph. The first system that bisects
   /// the graph fills it; later ones use it.
-  std::shared_ptr<BisectionTree> cuts{};
+  std::shared_ptr<BisectionTree> bisection{};
   /// Positions of the unknowns (unknowns×3); rows of unknowns without a group are ignored. Vectors whose
   /// entries are an affine function of position have (nearly) no energy. Empty: only constant vectors are
   /// known to have none.

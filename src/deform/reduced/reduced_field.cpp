@@ -110,7 +110,7 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
     values(centres_[k], k) = 1;
     held[centres_[k]] = 1;
   }
-  const SurfaceFields around_centres(patch.points, system_->triangles(), system_->rings(), system_->cuts(),
+  const SurfaceFields around_centres(patch.points, system_->triangles(), system_->rings(), system_->bisection(),
                                      held, rotations_->fields().bending(), -1, backend, context);
   const Columns weights = around_centres.spread(values, context);
   centre_weights_ = weights.leftCols(centre_count);

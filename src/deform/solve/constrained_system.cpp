@@ -42,7 +42,7 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
   prepare_similarities(context);
 }
 
-/// Takes over the other system's patch, rows and cuts. Returns false if they differ from those of this
+/// Takes over the other system's patch, rows and bisection tree. Returns false if they differ from those of this
 /// mask, or if less than half of the patch would be used. The caller then sets them up itself.
 bool ConstrainedSystem::share(const ConstrainedSystem& other, const ConstrainedMesh& mesh,
                               const Context& context) {
@@ -68,7 +68,7 @@ bool ConstrainedSystem::share(const ConstrainedSystem& other, const ConstrainedM
   part_ = std::move(part);
   operators_ = other.operators_;
   fewer_maps_ = operators.fewer_maps(mask_);
-  *cuts_ = *other.cuts_;
+  *bisection_ = *other.bisection_;
   return true;
 }
 
@@ -226,7 +226,7 @@ NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
 /// Returns the graph for the elimination order. Each unknown belongs to its vertex, except those of features,
 /// which vertices far apart share.
 OrderingGraph ConstrainedSystem::ordering_graph() const {
-  OrderingGraph graph{std::vector<Index>(E_.cols(), -1), &operators_->rows().rings(), cuts_,
+  OrderingGraph graph{std::vector<Index>(E_.cols(), -1), &operators_->rows().rings(), bisection_,
                       Points::Zero(E_.cols(), 3)};
   const std::vector<Index>& apex = operators_->rows().nodes().apex;
   for (Index v = 0; v < patch().size(); ++v)

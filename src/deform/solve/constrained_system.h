@@ -126,7 +126,7 @@ class ConstrainedSystem {
   const std::vector<Anchor>& anchors() const { return anchors_; }  ///< at vertices with an unknown position
   int residual_corrections() const { return residual_corrections_; }
   /// Returns the bisection of the patch's rings, for other systems over the same rings.
-  const std::shared_ptr<BisectionTree>& cuts() const { return cuts_; }
+  const std::shared_ptr<BisectionTree>& bisection() const { return bisection_; }
   /// Returns null if nothing is free. In a shared operator, `H` has rows for maps that are known here.
   const AffineOperator* operators() const { return operators_ ? &operators_->rows() : nullptr; }
 
@@ -183,7 +183,7 @@ class ConstrainedSystem {
   std::vector<double> anchor_weights_;  ///< per anchor: weight of its row
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
   std::unique_ptr<LinearSolver> solver_;
-  std::shared_ptr<BisectionTree> cuts_ = std::make_shared<BisectionTree>();  ///< of the patch's rings
+  std::shared_ptr<BisectionTree> bisection_ = std::make_shared<BisectionTree>();  ///< of the patch's rings
   double normal_one_norm_ = 0;
   int residual_corrections_ = 1;
 

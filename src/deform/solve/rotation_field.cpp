@@ -56,7 +56,7 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
     : system_(system),
       has_features_(!system.features().empty()),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
-      fields_(system.patch().points, system.triangles(), system.rings(), system.cuts(),
+      fields_(system.patch().points, system.triangles(), system.rings(), system.bisection(),
               known_maps(system.mask()), bending_matrix(system, other, context),
               iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend, context) {
   if (other != nullptr) {

@@ -110,7 +110,7 @@ BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, c
 }
 
 SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             const std::shared_ptr<BisectionTree>& cuts, std::span<const std::uint8_t> given,
+                             const std::shared_ptr<BisectionTree>& bisection, std::span<const std::uint8_t> given,
                              std::shared_ptr<const BendingMatrix> bending_matrix, double smoothing_length_rel,
                              SolverBackend backend, const Context& context)
     : bending_(std::move(bending_matrix)), areas_(vertex_areas(points, triangles)) {
@@ -126,7 +126,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   if (!held_.empty()) {
     spread_rows_ = select_rows(bending, held_);
     spread_solver_ =
-        factorise(spread_rows_, {held_, &rings, cuts, points(held_, Eigen::all)}, backend, context);
+        factorise(spread_rows_, {held_, &rings, bisection, points(held_, Eigen::all)}, backend, context);
   }
   if (smoothing_length_rel < 0) return;
   std::vector<double> weights = free_widths(context);
@@ -135,7 +135,7 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_);
-  smooth_solver_ = factorise(smoothing, {free_, &rings, cuts, points(free_, Eigen::all)}, backend, context);
+  smooth_solver_ = factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, backend, context);
 }
 
 /// Returns whether areas raised to `smallest` are those of the bending matrix.

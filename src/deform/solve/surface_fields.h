@@ -28,11 +28,11 @@ struct BendingMatrix {
 class SurfaceFields {
  public:
   /// `given` holds flags per vertex. The smoothing length ℓ is relative to the width of the surface between
-  /// vertices with given values. If it is negative, `smooth` must not be called. `cuts` of the rings are
+  /// vertices with given values. If it is negative, `smooth` must not be called. `bisection` of the rings are
   /// used, or filled if empty. `bending` belongs to this surface, or to a larger one that contains it. In the
   /// latter case rows within two edges of the rest of the larger surface are not used.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                const std::shared_ptr<BisectionTree>& cuts, std::span<const std::uint8_t> given,
+                const std::shared_ptr<BisectionTree>& bisection, std::span<const std::uint8_t> given,
                 std::shared_ptr<const BendingMatrix> bending, double smoothing_length_rel,
                 SolverBackend backend, const Context& context = {});
 

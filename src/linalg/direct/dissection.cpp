@@ -17,12 +17,12 @@ namespace {
 /// graph if the graph is cut fewer times.
 std::vector<int> parts_of_unknowns(const OrderingGraph& graph, int& levels, const Context& context) {
   BisectionTree own;
-  BisectionTree& cuts = graph.cuts ? *graph.cuts : own;
-  if (cuts.part.empty()) cuts = bisect_graph(graph, levels, context);
-  levels = std::min(levels, cuts.levels);
+  BisectionTree& bisection = graph.bisection ? *graph.bisection : own;
+  if (bisection.part.empty()) bisection = bisect_graph(graph, levels, context);
+  levels = std::min(levels, bisection.levels);
   std::vector<int> part;
   for (const Index group : graph.group)
-    part.push_back(group < 0 ? -1 : cuts.part[group] >> (cuts.levels - levels));
+    part.push_back(group < 0 ? -1 : bisection.part[group] >> (bisection.levels - levels));
   return part;
 }
 

@@ -71,10 +71,10 @@ BisectionTree bisect_graph(const OrderingGraph& graph, int levels, const Context
           if (status != METIS_OK) std::fill(input->part.begin(), input->part.end(), 0);
         },
         context);
-  BisectionTree cuts{levels, std::vector<int>(rings.size(), 0)};
+  BisectionTree bisection{levels, std::vector<int>(rings.size(), 0)};
   for (Index group = 0; group < rings.size(); ++group)
-    if (input->number[group] >= 0) cuts.part[group] = static_cast<int>(input->part[input->number[group]]);
-  return cuts;
+    if (input->number[group] >= 0) bisection.part[group] = static_cast<int>(input->part[input->number[group]]);
+  return bisection;
 }
 
 std::vector<int> nested_dissection_order(const NormalMatrix& lower, const Context& context) {
