@@ -35,12 +35,12 @@ std::optional<Note> range_note(const Points& positions, const std::string& file)
 
 }  // namespace
 
-std::vector<Note> defect_notes(const Scene& scene, const std::filesystem::path& file) {
+std::vector<Note> defect_notes(const MeshState& state, const std::filesystem::path& file) {
   const std::string name = file.filename().string();
-  if (scene.mesh.face_count() == 0) return {facts::editor::NoSurface{.file = name}};
-  if (const auto note = range_note(scene.mesh.positions, name)) return {*note};
+  if (state.mesh.face_count() == 0) return {facts::editor::NoSurface{.file = name}};
+  if (const auto note = range_note(state.mesh.positions, name)) return {*note};
   std::vector<Note> notes;
-  for (const Finding& finding : scene.diagnostics.findings)
+  for (const Finding& finding : state.diagnostics.findings)
     if (matters(finding)) notes.push_back(finding.note);
   if (!notes.empty())
     notes.insert(notes.begin(), facts::editor::Defects{.file = name,

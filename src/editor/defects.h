@@ -13,6 +13,6 @@ namespace meshgraft::editor {
 /// name of a repaired copy, and the findings; or editor.size_not_shown, or editor.no_surface. Returns nothing
 /// for a mesh without such defects. Boundary loops, open seams and polygons are no defects: edits work across
 /// them.
-std::vector<Note> defect_notes(const Scene& scene, const std::filesystem::path& file);
+std::vector<Note> defect_notes(const MeshState& state, const std::filesystem::path& file);
 
 }  // namespace meshgraft::editor

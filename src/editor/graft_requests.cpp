@@ -199,8 +199,8 @@ Json Worker::thumbnail(const json::Value& message, const Context&) {
   task.request = {message.raw().at("id"), "thumbnail", {}};
   fields.optional("size", [&](const json::Value& v) { task.size = static_cast<int>(v.integer_in(16, 512)); });
   if (fields.has("mesh")) {
-    task.mesh = [scene = object_of(fields)->shared_scene](const Context&) {
-      return std::shared_ptr<const Mesh>(scene, &scene->mesh);
+    task.mesh = [state = object_of(fields)->shared_state](const Context&) {
+      return std::shared_ptr<const Mesh>(state, &state->mesh);
     };
   } else if (fields.has("sample")) {
     task.mesh = [name = fields.required("sample").name(), size = task.size](const Context& context) {

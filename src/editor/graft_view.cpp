@@ -82,14 +82,14 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
   StepOutcome outcome;
   Json told = {{"graft", number}, {"dragged", job.dragged}};
   try {
-    std::map<std::string, Scene> scenes{{job.target->name, job.target->scene()},
-                                        {job.source->name, job.source->scene()}};
+    std::map<std::string, MeshState> states{{job.target->name, job.target->state()},
+                                        {job.source->name, job.source->state()}};
     const StepReport report =
-        run_step(edit, step, fmt::format("{}: steps[{}]", edit.location, edit.steps.size() - 1), scenes,
+        run_step(edit, step, fmt::format("{}: steps[{}]", edit.location, edit.steps.size() - 1), states,
                  {.estimate_condition = false}, context);
-    outcome = {std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step)))),
+    outcome = {std::make_shared<const MeshState>(std::move(states.at(outcome_of(step)))),
                found_json(*report.merge)};
-    const ShownGraft shown{*job.target, *job.source, outcome.scene->mesh, report, number, job.dragged};
+    const ShownGraft shown{*job.target, *job.source, outcome.state->mesh, report, number, job.dragged};
     frame = graft_frame(shown);
     told = graft_fields(shown);
   } catch (...) {

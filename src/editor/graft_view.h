@@ -41,7 +41,7 @@ class GraftView {
   /// Drops all jobs. Nothing more is sent from this call on.
   void clear();
 
-  /// Returns the outcome of the last job from the document and forgets it. The scene is null while the job
+  /// Returns the outcome of the last job from the document and forgets it. The state is null while the job
   /// runs, and where it failed.
   StepOutcome take_outcome();
 

@@ -106,7 +106,7 @@ LiveView::Plan LiveView::plan(const Document& document, std::shared_ptr<const Ob
     plan.resumes = true;
     return plan;
   }
-  plan.setup = set_up_deform(document.edit, *step, location_of(document), plan.base->scene(), step->settings);
+  plan.setup = set_up_deform(document.edit, *step, location_of(document), plan.base->state(), step->settings);
   plan.poses = plan.setup->problem.deform.poses;
   return plan;
 }
@@ -241,13 +241,13 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
 
 // Runs the step as saving does, where a frame of the region alone would not show its result.
 void LiveView::run_exactly(const Document& document, const Context& context) {
-  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
+  std::map<std::string, MeshState> states{{base_->name, base_->state()}};
   const EditStep& step = document.edit.steps.back();
   const StepReport report =
-      run_step(document.edit, step, location_of(document), scenes, {.estimate_condition = false}, context);
-  const auto positions = std::make_shared<const Points>(scenes.at(outcome_of(step)).mesh.positions);
+      run_step(document.edit, step, location_of(document), states, {.estimate_condition = false}, context);
+  const auto positions = std::make_shared<const Points>(states.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
-  outcome_ = std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
+  outcome_ = std::make_shared<const MeshState>(std::move(states.at(outcome_of(step))));
   exact_->take(frame.pose, frame);
   outbox_.send(position_frame(*base_, *shown_.moving, frame), "frame");
   outbox_.tell("live",
@@ -365,15 +365,15 @@ std::shared_ptr<const Points> LiveView::exact_positions(const Context& context) 
   return deformer && !deformer->summary().reused ? exact_->positions : nullptr;
 }
 
-std::shared_ptr<const Scene> LiveView::outcome(const Document& document, const Context& context) {
+std::shared_ptr<const MeshState> LiveView::outcome(const Document& document, const Context& context) {
   if (outcome_ || !shown_.live) return outcome_;
   if (const auto deformer = shown_.live->deformer(); deformer && deformer->summary().reused) return nullptr;
   const auto positions = exact_positions(context);
   if (!positions) return nullptr;
   const EditStep& step = document.edit.steps.back();
-  std::map<std::string, Scene> scenes{{base_->name, base_->scene()}};
-  apply_solution(document.edit, step, location_of(document), scenes, *positions, context);
-  return std::make_shared<const Scene>(std::move(scenes.at(outcome_of(step))));
+  std::map<std::string, MeshState> states{{base_->name, base_->state()}};
+  apply_solution(document.edit, step, location_of(document), states, *positions, context);
+  return std::make_shared<const MeshState>(std::move(states.at(outcome_of(step))));
 }
 
 void LiveView::drag_to(const std::vector<HandlePose>& poses, bool exact_alone) {

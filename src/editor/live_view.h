@@ -61,7 +61,7 @@ class LiveView {
 
   /// Returns the result of the document's steps, where the view has it or waits for an exact frame that is
   /// being computed. Returns null where the step has to be run. Throws Error(cancelled).
-  std::shared_ptr<const Scene> outcome(const Document& document, const Context& context);
+  std::shared_ptr<const MeshState> outcome(const Document& document, const Context& context);
 
   /// `poll` tells the page the stage of the set-up; `settled` is true once the stage is final.
   void poll();
@@ -135,7 +135,7 @@ class LiveView {
   std::int64_t last_pose_ = 0;
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
   const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
-  std::shared_ptr<const Scene> outcome_;  ///< result of a step that cannot be dragged
+  std::shared_ptr<const MeshState> outcome_;  ///< result of a step that cannot be dragged
   std::optional<Shown> parked_;           ///< the previous set-up, kept while the next one is made
   Shown shown_;
 };

@@ -37,12 +37,12 @@ void find_box(Object& base) {
 }
 
 void find_selections(Object& base) {
-  const Scene& scene = base.scene();
-  const Finding* torn = scene.diagnostics.find("duplicate-vertex");
-  if (torn != nullptr && !scene.is_cut) base.weld = weld_at(scene.mesh, torn->indices);
-  if (!base.weld.empty()) base.welded = welded(scene.mesh, base.weld);
-  base.selections.emplace(base.weld.empty() ? scene.mesh : base.welded, base.weld);
-  base.loops = base.weld.empty() ? base.selections->loops : boundary_loops(scene.mesh);
+  const MeshState& state = base.state();
+  const Finding* torn = state.diagnostics.find("duplicate-vertex");
+  if (torn != nullptr && !state.is_cut) base.weld = weld_at(state.mesh, torn->indices);
+  if (!base.weld.empty()) base.welded = welded(state.mesh, base.weld);
+  base.selections.emplace(base.weld.empty() ? state.mesh : base.welded, base.weld);
+  base.loops = base.weld.empty() ? base.selections->loops : boundary_loops(state.mesh);
 }
 
 // Folder names need not be valid UTF-8.
@@ -120,42 +120,42 @@ struct Objects::Keys {
   }
 };
 
-std::shared_ptr<const Scene> Objects::input(const Document& document, const std::string& name, const Keys& keys,
+std::shared_ptr<const MeshState> Objects::input(const Document& document, const std::string& name, const Keys& keys,
                                             const Context& context) {
   const std::string key = keys.of(name, 0);
   if (auto known = inputs_.find(key)) return known;
   EditFile alone = document.edit;
   std::erase_if(alone.inputs, [&](const EditInput& one) { return one.name != name; });
-  auto read = std::make_shared<const Scene>(std::move(load_inputs(alone, context).scenes.at(name)));
+  auto read = std::make_shared<const MeshState>(std::move(load_inputs(alone, context).states.at(name)));
   inputs_.put(key, read);
   return read;
 }
 
-std::shared_ptr<const Scene> Objects::scene(const Document& document, const std::string& name,
+std::shared_ptr<const MeshState> Objects::state(const Document& document, const std::string& name,
                                             std::size_t count, const Keys& keys, const Context& context) {
   const std::optional<std::size_t> maker = keys.maker(name, count);
   if (!maker) return input(document, name, keys, context);
   const std::string& key = keys.steps[*maker];
-  if (auto known = scenes_.find(key)) return known;
+  if (auto known = states_.find(key)) return known;
   const EditStep& step = document.edit.steps[*maker];
-  std::map<std::string, Scene> scenes;
+  std::map<std::string, MeshState> states;
   for (const std::string& used : meshes_of(step))
-    scenes.insert_or_assign(used, *scene(document, used, *maker, keys, context));
+    states.insert_or_assign(used, *state(document, used, *maker, keys, context));
   const StepReport report =
-      run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.location, *maker), scenes,
+      run_step(document.edit, step, fmt::format("{}: steps[{}]", document.edit.location, *maker), states,
                {.estimate_condition = false}, context);
   if (report.merge) found_.put(key, std::make_shared<const Json>(found_json(*report.merge)));
-  auto made = std::make_shared<const Scene>(std::move(scenes.at(name)));
-  scenes_.put(key, made);
+  auto made = std::make_shared<const MeshState>(std::move(states.at(name)));
+  states_.put(key, made);
   return made;
 }
 
 std::shared_ptr<const Object> Objects::object(const std::string& name, const std::string& key,
-                                              std::shared_ptr<const Scene> scene) {
+                                              std::shared_ptr<const MeshState> state) {
   if (auto known = objects_.find(name + key)) return known;
   const auto made = std::make_shared<Object>();
   made->name = name;
-  made->shared_scene = std::move(scene);
+  made->shared_state = std::move(state);
   made->id = static_cast<int>(numbers_.next());
   find_box(*made);
   find_selections(*made);
@@ -173,7 +173,7 @@ Stage Objects::before(const Document& document, const Context& context) {
   const std::string model = model_of(edit);
   Stage stage;
   for (const std::string& name : names_after(edit, count)) {
-    auto found = object(name, keys.of(name, count), scene(document, name, count, keys, context));
+    auto found = object(name, keys.of(name, count), state(document, name, count, keys, context));
     if (name == model)
       stage.model = std::move(found);
     else
@@ -187,20 +187,20 @@ Stage Objects::before(const Document& document, const Context& context) {
   found_.keep(count + most_undone);
   const std::size_t most = stage.parts.size() + 1 + most_undone;
   inputs_.keep(edit.inputs.size() + most_undone);
-  scenes_.keep(most);
+  states_.keep(most);
   objects_.keep(most);
   return stage;
 }
 
-std::shared_ptr<const Scene> Objects::after(const Document& document, std::size_t count,
+std::shared_ptr<const MeshState> Objects::after(const Document& document, std::size_t count,
                                             const std::string& name, const Context& context) {
-  return scene(document, name, count, Keys(document), context);
+  return state(document, name, count, Keys(document), context);
 }
 
 void Objects::learn(const Document& document, StepOutcome outcome) {
   const std::string key = Keys(document).steps.back();
-  if (scenes_.find(key)) return;
-  scenes_.put(key, std::move(outcome.scene));
+  if (states_.find(key)) return;
+  states_.put(key, std::move(outcome.state));
   if (!outcome.found.is_null()) found_.put(key, std::make_shared<const Json>(std::move(outcome.found)));
 }
 

@@ -23,7 +23,7 @@ namespace meshgraft::editor {
 /// A mesh of a document in the state before the step in work, with the data for selecting and showing it.
 struct Object {
   std::string name;  ///< unique within the document
-  std::shared_ptr<const Scene> shared_scene;
+  std::shared_ptr<const MeshState> shared_state;
   int id = 0;  ///< identifies the mesh to the page
   Weld weld;
   Mesh welded;
@@ -34,8 +34,8 @@ struct Object {
   Eigen::RowVector3d offset;                   ///< centre of the bounding box
   double diagonal = 0;                         ///< of the bounding box
 
-  const Scene& scene() const { return *shared_scene; }
-  const Mesh& mesh() const { return scene().mesh; }
+  const MeshState& state() const { return *shared_state; }
+  const Mesh& mesh() const { return state().mesh; }
 };
 
 /// The meshes before the step in work.
@@ -52,7 +52,7 @@ struct Stage {
 
 /// The result of a step, as `run_step` left it, and its element of `Stage::found`.
 struct StepOutcome {
-  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const MeshState> state;
   Json found = nullptr;
 };
 
@@ -87,7 +87,7 @@ class Objects {
   Stage before(const Document& document, const Context& context);
 
   /// Returns a mesh in the state after the first `count` steps. Throws what `run_edit` throws.
-  std::shared_ptr<const Scene> after(const Document& document, std::size_t count, const std::string& name,
+  std::shared_ptr<const MeshState> after(const Document& document, std::size_t count, const std::string& name,
                                      const Context& context);
 
   /// Stores the result of the last step, so that accepting or saving it does not run it again.
@@ -97,16 +97,16 @@ class Objects {
   /// The cache keys of each step and each input.
   struct Keys;
 
-  std::shared_ptr<const Scene> input(const Document& document, const std::string& name, const Keys& keys,
+  std::shared_ptr<const MeshState> input(const Document& document, const std::string& name, const Keys& keys,
                                      const Context& context);
   /// Returns a mesh in the state after the first `count` steps.
-  std::shared_ptr<const Scene> scene(const Document& document, const std::string& name, std::size_t count,
+  std::shared_ptr<const MeshState> state(const Document& document, const std::string& name, std::size_t count,
                                      const Keys& keys, const Context& context);
   std::shared_ptr<const Object> object(const std::string& name, const std::string& key,
-                                       std::shared_ptr<const Scene> scene);
+                                       std::shared_ptr<const MeshState> state);
 
   const Numbers& numbers_;
-  Recent<Scene> inputs_, scenes_;
+  Recent<MeshState> inputs_, states_;
   Recent<Object> objects_;
   Recent<Json> found_;
 };

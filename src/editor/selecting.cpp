@@ -63,7 +63,7 @@ std::vector<Index> resolve_asked(const json::Value& value, const Document& docum
   with["selections"][name] = value.raw();
   const Document asked = make_document(with, document.edit.base_folder);
   for (const auto& file : referenced_files(asked.edit)) folders.inside(file);
-  SelectionResolver resolver(asked.edit, *base.selections, base.scene().produced);
+  SelectionResolver resolver(asked.edit, *base.selections, base.state().produced);
   return resolver.vertices({EditSelection::Named{name}}, value.location());
 }
 

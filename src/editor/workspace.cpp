@@ -155,7 +155,7 @@ void Workspace::show_parts(const Stage& next) {
 // Stores the outcome of the document's graft, so that it is not run again.
 void Workspace::learn_graft() {
   StepOutcome outcome = graft_view_.take_outcome();
-  if (outcome.scene) objects_.learn(document_, std::move(outcome));
+  if (outcome.state) objects_.learn(document_, std::move(outcome));
 }
 
 void Workspace::show_graft(const Document& document, const Stage& stage, bool dragged) {
@@ -191,7 +191,7 @@ std::optional<Eigen::Affine3d> Workspace::placement_of_last_drop() {
   if (!placement_ || placement_key_ != key) {
     const std::string location =
         fmt::format("{}: steps[{}]", document.edit.location, document.edit.steps.size() - 1);
-    placement_.emplace(document.edit, *merge, location, target->scene(), source->scene());
+    placement_.emplace(document.edit, *merge, location, target->state(), source->state());
     placement_key_ = key;
   }
   return placement_->map(*merge);
@@ -342,7 +342,7 @@ fs::path Workspace::decline() {
 void Workspace::finish(const Context& context) {
   const DeformStep* step = deform_in_work(document_.edit);
   if (step == nullptr || !is_ready(*step)) return;
-  if (auto scene = view_.outcome(document_, context)) objects_.learn(document_, {std::move(scene)});
+  if (auto state = view_.outcome(document_, context)) objects_.learn(document_, {std::move(state)});
 }
 
 Workspace::Outcome Workspace::outcome(const Context& context) {
@@ -353,8 +353,8 @@ Workspace::Outcome Workspace::outcome(const Context& context) {
   const std::string name = does_nothing           ? mesh_of(saved.steps.back())
                            : saved.output.empty() ? outcome_of(saved.steps.back())
                                                   : saved.output;
-  const auto scene = objects_.after(document_, saved.steps.size() - (does_nothing ? 1 : 0), name, context);
-  return {scene->mesh, scene->rest};
+  const auto state = objects_.after(document_, saved.steps.size() - (does_nothing ? 1 : 0), name, context);
+  return {state->mesh, state->rest};
 }
 
 bool Workspace::is_saved(const fs::path& model) const {
@@ -387,8 +387,8 @@ std::vector<Note> Workspace::defects(const std::string& name, const fs::path& up
     if (input.file.empty() || (!name.empty() && input.name != name)) continue;
     const fs::path file = (document_.edit.base_folder / input.file).lexically_normal();
     const bool is_upload = file.parent_path() == uploads || file.parent_path() == kept_folder();
-    const auto scene = objects_.after(document_, 0, input.name, {});
-    for (const Note& note : defect_notes(*scene, is_upload ? uploaded_as(file) : file)) notes.push_back(note);
+    const auto state = objects_.after(document_, 0, input.name, {});
+    for (const Note& note : defect_notes(*state, is_upload ? uploaded_as(file) : file)) notes.push_back(note);
   }
   return notes;
 }

@@ -24,10 +24,10 @@ std::vector<std::size_t> sizes_of(const MergeSide& side) {
 
 void require_loops(const MergeSide& side, const std::string& location) {
   if (!side.context.loops.empty()) return;
-  const std::string& mesh = side.scene.label;
-  if (side.scene.mesh.face_count() == 0)
+  const std::string& mesh = side.state.label;
+  if (side.state.mesh.face_count() == 0)
     throw Error(facts::script::SideWithoutFaces{.side = side.name, .mesh = mesh}, location);
-  if (const Finding* edges = side.scene.diagnostics.find("non-manifold-edge"))
+  if (const Finding* edges = side.state.diagnostics.find("non-manifold-edge"))
     throw Error(
         facts::script::SideWithoutClosedLoop{
             .side = side.name, .mesh = mesh, .edges = edges->count, .vertex = edges->indices.front()},
@@ -39,7 +39,7 @@ void require_loops(const MergeSide& side, const std::string& location) {
 template <class Row>
 void require_without(std::string_view defect, const MergeSide& side, std::size_t number,
                      const std::string& location) {
-  const Finding* finding = side.scene.diagnostics.find(defect);
+  const Finding* finding = side.state.diagnostics.find(defect);
   if (!finding) return;
   std::vector<Index> here;
   for (const Index v : side.context.loops[number])
@@ -50,7 +50,7 @@ void require_without(std::string_view defect, const MergeSide& side, std::size_t
   here.resize(std::min(most, here.size()));
   throw Error(Row{.loop = number,
                   .side = side.name,
-                  .mesh = side.scene.label,
+                  .mesh = side.state.label,
                   .count = finding->count,
                   .vertices = here},
               location);
@@ -109,10 +109,10 @@ std::size_t loop_through(const MergeSide& side, Index vertex, const std::string&
   const auto& loops = side.context.loops;
   for (std::size_t k = 0; k < loops.size(); ++k)
     if (std::find(loops[k].begin(), loops[k].end(), vertex) != loops[k].end()) return k;
-  if (vertex < side.scene.mesh.vertex_count()) throw off_loops(side, vertex, location);
+  if (vertex < side.state.mesh.vertex_count()) throw off_loops(side, vertex, location);
   throw Error(facts::script::NoSuchVertex{.side = side.name,
                                           .vertex = vertex,
-                                          .count = side.scene.mesh.vertex_count(),
+                                          .count = side.state.mesh.vertex_count(),
                                           .loops = loops.size(),
                                           .sizes = sizes_of(side)},
               location);
@@ -128,7 +128,7 @@ Index loop_vertex(const MergeSide& side, const VertexSpec& vertex, std::optional
   for (std::size_t k = 0; k < side.context.loops.size(); ++k)
     if (!loop || k == *loop)
       candidates.insert(candidates.end(), side.context.loops[k].begin(), side.context.loops[k].end());
-  return nearest(side.scene.mesh, candidates, std::get<Eigen::Vector3d>(vertex));
+  return nearest(side.state.mesh, candidates, std::get<Eigen::Vector3d>(vertex));
 }
 
 /// A pair of loops, by their numbers.

@@ -15,17 +15,17 @@ namespace meshgraft {
 /// One of the two meshes of a merge step.
 struct MergeSide {
   std::string name;  ///< "source" or "target", as in fields and messages
-  const Scene& scene;
-  SoundMesh usable;  ///< the mesh to merge; loops and selections are the scene's
+  const MeshState& state;
+  SoundMesh usable;  ///< the mesh to merge; loops and selections are the state's
   SelectionMesh context;
   SelectionResolver selections;
 
-  MergeSide(std::string name_, const EditFile& edit, const Scene& scene_)
+  MergeSide(std::string name_, const EditFile& edit, const MeshState& state_)
       : name(std::move(name_)),
-        scene(scene_),
-        usable(scene.mesh, scene.diagnostics, scene.label),
-        context(scene.mesh),
-        selections(edit, context, scene.produced) {}
+        state(state_),
+        usable(state.mesh, state.diagnostics, state.label),
+        context(state.mesh),
+        selections(edit, context, state.produced) {}
 
   /// Refuses a vertex given by its number if it is not finite or belongs to a defective face.
   void require_usable(Index vertex, const std::string& location) const {
@@ -43,9 +43,9 @@ struct MergeSide {
     for (const Index face : new_faces)
       for (const Index v : result.faces[face]) at_seam[v] = 1;
     std::vector<Index> vertices;
-    for (Index v = 0; v < scene.mesh.vertex_count(); ++v) {
+    for (Index v = 0; v < state.mesh.vertex_count(); ++v) {
       const Index now = map.new_index[v];
-      if (scene.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
+      if (state.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
     }
     return vertices;
   }

@@ -43,12 +43,12 @@ std::map<std::string, std::vector<Index>> sets_of(const CutResult& result) {
 
 }  // namespace
 
-StepReport run_cut(const EditStep& edit_step, const std::string& location, std::map<std::string, Scene>& scenes,
+StepReport run_cut(const EditStep& edit_step, const std::string& location, std::map<std::string, MeshState>& states,
                    const Context& context) {
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;
-  const Scene& scene = scenes.at(step.mesh);
-  const SoundMesh usable(scene.mesh, scene.diagnostics, scene.label);
+  const MeshState& state = states.at(step.mesh);
+  const SoundMesh usable(state.mesh, state.diagnostics, state.label);
   StepReport report;
   report.mesh = step.mesh;
   report.result = outcome_of(edit_step);
@@ -67,17 +67,17 @@ StepReport run_cut(const EditStep& edit_step, const std::string& location, std::
   }
   report.seconds.solve = watch.lap();
   ProducedSets produced;
-  carry_produced(scene.produced, result.vertex, produced);
+  carry_produced(state.produced, result.vertex, produced);
   if (!edit_step.name.empty()) produced[edit_step.name] = sets_of(result);
   report.cut = CutOutcome{step.options, std::move(result.loops), std::move(result.vertex),
                           summarise_topology(result.mesh)};
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();
 
-  Scene opened = make_scene(std::move(result.mesh), scene.label + ", cut", context);
+  MeshState opened = make_mesh_state(std::move(result.mesh), state.label + ", cut", context);
   opened.produced = std::move(produced);
   opened.is_cut = true;
-  scenes.insert_or_assign(report.result, std::move(opened));
+  states.insert_or_assign(report.result, std::move(opened));
   report.seconds.check = watch.lap();
   report.seconds.total = watch.seconds();
   return report;

@@ -29,7 +29,7 @@ namespace {
 // Returns how many rings around the region the solve uses: stencils of stencils, and their normals.
 int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
 
-void require_usable_within_reach(const Scene& scene, const Region& region, const SelectionMesh& selections,
+void require_usable_within_reach(const MeshState& state, const Region& region, const SelectionMesh& selections,
                                  int reach) {
   std::vector<Index> vertices = region.vertices;
   if (region.whole) {
@@ -40,7 +40,7 @@ void require_usable_within_reach(const Scene& scene, const Region& region, const
   // Vertices without a face have no equations.
   std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
   if (!vertices.empty())
-    require_usable(scene.diagnostics, selections.mesh, {.vertices = vertices, .name = scene.label});
+    require_usable(state.diagnostics, selections.mesh, {.vertices = vertices, .name = state.label});
 }
 
 // Returns all constraints of a step per vertex: fixed vertices, handles, and constraints of single vertices.
@@ -216,18 +216,18 @@ Index count_handle_vertices(const Region& region) {
       [](Index sum, const Handle& h) { return sum + static_cast<Index>(h.vertices.size()); });
 }
 
-// Writes a solution into the scene and returns the previous positions of the problem's vertices.
-Points keep_solution(Solution& solution, DeformSetup& setup, Scene& scene) {
+// Writes a solution into the state and returns the previous positions of the problem's vertices.
+Points keep_solution(Solution& solution, DeformSetup& setup, MeshState& state) {
   const Weld& weld = setup.weld;
-  Mesh& mesh = weld.empty() ? scene.mesh : setup.welded;
-  const Index count = scene.mesh.vertex_count();
+  Mesh& mesh = weld.empty() ? state.mesh : setup.welded;
+  const Index count = state.mesh.vertex_count();
   std::erase_if(solution.free, [&](Index v) { return v >= count; });
   Points rest = std::exchange(mesh.positions, solution.positions.topRows(count));
   update_normals(mesh, rest);
-  for (const Index v : solution.free) scene.was_free[v] = 1;
+  for (const Index v : solution.free) state.was_free[v] = 1;
   if (!weld.empty()) {
-    unweld(mesh, weld, scene.mesh);
-    for (Index v = 0; v < count; ++v) scene.was_free[v] = scene.was_free[weld.of(v)];
+    unweld(mesh, weld, state.mesh);
+    for (Index v = 0; v < count; ++v) state.was_free[v] = state.was_free[weld.of(v)];
   }
   return rest;
 }
@@ -235,12 +235,12 @@ Points keep_solution(Solution& solution, DeformSetup& setup, Scene& scene) {
 }  // namespace
 
 void apply_solution(const EditFile& edit, const EditStep& edit_step, const std::string& location,
-                    std::map<std::string, Scene>& scenes, const Points& positions, const Context& context) {
+                    std::map<std::string, MeshState>& states, const Points& positions, const Context& context) {
   const auto& step = std::get<DeformStep>(edit_step.action);
-  Scene& scene = scene_for_outcome(edit_step, scenes);
-  DeformSetup setup = set_up_deform(edit, step, location, scene, step.settings);
+  MeshState& state = state_for_outcome(edit_step, states);
+  DeformSetup setup = set_up_deform(edit, step, location, state, step.settings);
   Solution solution{positions, free_vertices(setup.problem, joined_constraints(setup.problem, context))};
-  keep_solution(solution, setup, scene);
+  keep_solution(solution, setup, state);
 }
 
 double largest_displacement(const Points& rest, const Points& edited) {
@@ -264,24 +264,24 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 }
 
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
-                          const Scene& scene, const DeformSettings& settings) {
+                          const MeshState& state, const DeformSettings& settings) {
   DeformSetup setup;
-  const Finding* torn = scene.diagnostics.find("duplicate-vertex");
-  const bool welds = torn != nullptr && settings.weld && !scene.is_cut;
-  if (welds) setup.weld = weld_at(scene.mesh, torn->indices);
-  if (!setup.weld.empty()) setup.welded = welded(scene.mesh, setup.weld);
-  const Mesh& mesh = setup.weld.empty() ? scene.mesh : setup.welded;
+  const Finding* torn = state.diagnostics.find("duplicate-vertex");
+  const bool welds = torn != nullptr && settings.weld && !state.is_cut;
+  if (welds) setup.weld = weld_at(state.mesh, torn->indices);
+  if (!setup.weld.empty()) setup.welded = welded(state.mesh, setup.weld);
+  const Mesh& mesh = setup.weld.empty() ? state.mesh : setup.welded;
   {
     const SelectionMesh selections(mesh, setup.weld);
-    setup.problem.deform = resolve_deform(edit, step, selections, location, scene.produced);
-    require_usable_within_reach(scene, setup.problem.deform.region, selections, reach_rings(settings));
+    setup.problem.deform = resolve_deform(edit, step, selections, location, state.produced);
+    require_usable_within_reach(state, setup.problem.deform.region, selections, reach_rings(settings));
   }
   setup.problem.rest = mesh.positions;
   setup.problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   return setup;
 }
 
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, Scene& scene,
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, MeshState& state,
                       const RunOptions& options, const Context& context) {
   Stopwatch watch;
   StepReport report;
@@ -293,7 +293,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
   context.step("select");
-  DeformSetup setup = set_up_deform(edit, step, location, scene, report.settings);
+  DeformSetup setup = set_up_deform(edit, step, location, state, report.settings);
   ResolvedProblem& problem = setup.problem;
   const Weld& weld = setup.weld;
   const Triangles triangles = problem.triangles;
@@ -307,8 +307,8 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
     const auto notes = pose_notes(*report.symmetry, deform.region.handles, deform.poses, problem.rest);
     report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   }
-  report.counts.vertices = scene.mesh.vertex_count();
-  report.counts.faces = scene.mesh.face_count();
+  report.counts.vertices = state.mesh.vertex_count();
+  report.counts.faces = state.mesh.face_count();
   report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());
   report.counts.handle =
       count_handle_vertices(problem.deform.region) + static_cast<Index>(problem.deform.constraints.size());
@@ -326,10 +326,10 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::s
   }
 
   watch.lap();
-  const Points rest = keep_solution(solution, setup, scene);
+  const Points rest = keep_solution(solution, setup, state);
   report.counts.free = static_cast<Index>(solution.free.size());
-  report.max_displacement = largest_displacement(rest, scene.mesh.positions);
-  report.quality = measure_quality({rest, scene.mesh.positions, triangles, solution.free}, {}, context);
+  report.max_displacement = largest_displacement(rest, state.mesh.positions);
+  report.quality = measure_quality({rest, state.mesh.positions, triangles, solution.free}, {}, context);
   const std::vector<Note> notes = notes_of(report);
   report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   if (!weld.empty()) report.notes.push_back(facts::script::Welded{.vertices = weld.copies});

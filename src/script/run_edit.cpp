@@ -68,11 +68,11 @@ void sum_up(EditReport& report) {
 
 // Measures the effect of all deform steps since the faces last changed. For a single step the quality is
 // known already.
-void measure_result(EditReport& report, const Scene& scene, const Context& context) {
+void measure_result(EditReport& report, const MeshState& state, const Context& context) {
   Stopwatch watch;
   const bool same_faces = std::none_of(report.steps.begin(), report.steps.end(),
                                        [](const StepReport& step) { return step.merge || step.cut; });
-  report.deformed = same_faces || std::any_of(scene.was_free.begin(), scene.was_free.end(),
+  report.deformed = same_faces || std::any_of(state.was_free.begin(), state.was_free.end(),
                                               [](std::uint8_t free) { return free != 0; });
   if (!report.deformed) return;
   if (report.steps.size() == 1) {
@@ -80,15 +80,15 @@ void measure_result(EditReport& report, const Scene& scene, const Context& conte
     report.max_displacement = report.steps.front().max_displacement;
   } else {
     std::vector<Index> free;
-    for (Index v = 0; v < scene.mesh.vertex_count(); ++v)
-      if (scene.was_free[v]) free.push_back(v);
+    for (Index v = 0; v < state.mesh.vertex_count(); ++v)
+      if (state.was_free[v]) free.push_back(v);
     Mesh before;
-    before.positions = scene.rest;
-    before.faces = scene.mesh.faces;
+    before.positions = state.rest;
+    before.faces = state.mesh.faces;
     report.quality = measure_quality(
-        {scene.rest, scene.mesh.positions, triangulate(before, {.skip_out_of_range = true}).triangles, free},
+        {state.rest, state.mesh.positions, triangulate(before, {.skip_out_of_range = true}).triangles, free},
         {}, context);
-    report.max_displacement = largest_displacement(scene.rest, scene.mesh.positions);
+    report.max_displacement = largest_displacement(state.rest, state.mesh.positions);
   }
   report.seconds.measure += watch.lap();
 }
@@ -109,28 +109,28 @@ Mesh load_input(const EditInput& input, const EditFile& edit, const Context& con
 }
 
 StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& location,
-                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
+                    std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context) {
   if (std::holds_alternative<MergeStep>(edit_step.action))
-    return run_merge(edit, edit_step, location, scenes, options, context);
-  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, scenes, context);
+    return run_merge(edit, edit_step, location, states, options, context);
+  if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, states, context);
   return run_deform(edit, std::get<DeformStep>(edit_step.action), location,
-                    scene_for_outcome(edit_step, scenes), options, context);
+                    state_for_outcome(edit_step, states), options, context);
 }
 
-Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes) {
+MeshState& state_for_outcome(const EditStep& step, std::map<std::string, MeshState>& states) {
   const std::string& output = outcome_of(step);
-  if (output != mesh_of(step)) scenes.insert_or_assign(output, scenes.at(mesh_of(step)));
-  return scenes.at(output);
+  if (output != mesh_of(step)) states.insert_or_assign(output, states.at(mesh_of(step)));
+  return states.at(output);
 }
 
-Scene make_scene(Mesh mesh, std::string label, const Context& context) {
-  Scene scene;
-  scene.diagnostics = check_mesh(mesh, context);
-  scene.rest = mesh.positions;
-  scene.was_free.assign(mesh.vertex_count(), 0);
-  scene.label = std::move(label);
-  scene.mesh = std::move(mesh);
-  return scene;
+MeshState make_mesh_state(Mesh mesh, std::string label, const Context& context) {
+  MeshState state;
+  state.diagnostics = check_mesh(mesh, context);
+  state.rest = mesh.positions;
+  state.was_free.assign(mesh.vertex_count(), 0);
+  state.label = std::move(label);
+  state.mesh = std::move(mesh);
+  return state;
 }
 
 void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to) {
@@ -151,11 +151,11 @@ LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
     Mesh mesh = load_input(input, edit, context);
     inputs.read_seconds += watch.lap();
     context.step("check");
-    Scene scene = make_scene(std::move(mesh), label_of(input), context);
+    MeshState state = make_mesh_state(std::move(mesh), label_of(input), context);
     inputs.check_seconds += watch.lap();
     inputs.reports.push_back(
-        {input.name, scene.label, scene.mesh.vertex_count(), scene.mesh.face_count(), scene.diagnostics});
-    inputs.scenes.emplace(input.name, std::move(scene));
+        {input.name, state.label, state.mesh.vertex_count(), state.mesh.face_count(), state.diagnostics});
+    inputs.states.emplace(input.name, std::move(state));
   }
   return inputs;
 }
@@ -170,21 +170,21 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;
   report.seconds.check = inputs.check_seconds;
-  std::map<std::string, Scene>& scenes = inputs.scenes;
+  std::map<std::string, MeshState>& states = inputs.states;
 
   std::string output;
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
     const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
     output = outcome_of(edit.steps[i]);
-    report.steps.push_back(run_step(edit, edit.steps[i], location, scenes, options, context));
+    report.steps.push_back(run_step(edit, edit.steps[i], location, states, options, context));
     report.steps.back().name = edit.steps[i].name;
   }
-  Scene& scene = scenes.at(edit.output.empty() ? output : edit.output);
+  MeshState& state = states.at(edit.output.empty() ? output : edit.output);
   sum_up(report);
-  measure_result(report, scene, context);
-  for (const std::string& name : options.keep) result.kept.insert_or_assign(name, scenes.at(name).mesh);
-  result.mesh = std::move(scene.mesh);
-  result.rest = std::move(scene.rest);
+  measure_result(report, state, context);
+  for (const std::string& name : options.keep) result.kept.insert_or_assign(name, states.at(name).mesh);
+  result.mesh = std::move(state.mesh);
+  result.rest = std::move(state.rest);
   report.seconds.total = inputs.read_seconds + inputs.check_seconds + watch.seconds();
   return result;
 }

@@ -32,14 +32,14 @@ void require_merge_counts(const MergeCounts& expected, const MergeSide& source, 
     for (std::size_t i = 0; i < sizes.size(); ++i) require(name, sizes[i], size_of(pairs[i].loops));
   };
   const auto size = [](Index count) { return static_cast<std::size_t>(count); };
-  require("source_vertices", expected.source_vertices, size(source.scene.mesh.vertex_count()));
-  require("source_faces", expected.source_faces, size(source.scene.mesh.face_count()));
-  require("target_vertices", expected.target_vertices, size(target.scene.mesh.vertex_count()));
-  require("target_faces", expected.target_faces, size(target.scene.mesh.face_count()));
+  require("source_vertices", expected.source_vertices, size(source.state.mesh.vertex_count()));
+  require("source_faces", expected.source_faces, size(source.state.mesh.face_count()));
+  require("target_vertices", expected.target_vertices, size(target.state.mesh.vertex_count()));
+  require("target_faces", expected.target_faces, size(target.state.mesh.face_count()));
   require_sizes("source_loops", expected.source_loops, [](const LoopPair& pair) { return pair.source.size(); });
   require_sizes("target_loops", expected.target_loops, [](const LoopPair& pair) { return pair.target.size(); });
   require("fixed", expected.fixed, fixed);
-  std::size_t free = size(source.scene.mesh.vertex_count()) - fixed;
+  std::size_t free = size(source.state.mesh.vertex_count()) - fixed;
   for (const MergePair& pair : pairs) free -= std::min(free, pair.loops.source.size());
   require("free", expected.free, free);
 }
@@ -142,7 +142,7 @@ std::vector<Index> seam_vertices(const Mesh& mesh, const std::vector<Index>& fac
 }
 
 // Returns the merged mesh with the sets that later steps may name.
-Scene merged_scene(MergeResult& result, const EditStep& step, const Scene& target, const Scene& source,
+MeshState merged_state(MergeResult& result, const EditStep& step, const MeshState& target, const MeshState& source,
                    const Context& context) {
   ProducedSets produced;
   carry_produced(source.produced, result.source, produced);
@@ -151,10 +151,10 @@ Scene merged_scene(MergeResult& result, const EditStep& step, const Scene& targe
     produced[step.name] = {{"target", present(result.target, target.mesh.vertex_count())},
                            {"source", present(result.source, source.mesh.vertex_count())},
                            {"seam", seam_vertices(result.mesh, result.new_faces)}};
-  Scene scene =
-      make_scene(std::move(result.mesh), fmt::format("{} with {}", target.label, source.label), context);
-  scene.produced = std::move(produced);
-  return scene;
+  MeshState state =
+      make_mesh_state(std::move(result.mesh), fmt::format("{} with {}", target.label, source.label), context);
+  state.produced = std::move(produced);
+  return state;
 }
 
 void take_seconds(const MergeReport& report, StageSeconds& seconds) {
@@ -168,7 +168,7 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 }  // namespace
 
 DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
-                             const Scene& target_scene, const Scene& source_scene)
+                             const MeshState& target_scene, const MeshState& source_scene)
     : location_(location) {
   MergeSide source("source", edit, source_scene), target("target", edit, target_scene);
   const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location + ".at")];
@@ -190,7 +190,7 @@ Eigen::Affine3d DropPlacement::map(const MergeStep& step) const {
 }
 
 StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& location,
-                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context) {
+                     std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context) {
   const auto& step = std::get<MergeStep>(edit_step.action);
   Stopwatch watch;
   StepReport report;
@@ -200,7 +200,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   outcome.source = step.source;
 
   context.step("select");
-  MergeSide source("source", edit, scenes.at(step.source)), target("target", edit, scenes.at(step.target));
+  MergeSide source("source", edit, states.at(step.source)), target("target", edit, states.at(step.target));
   std::vector<MergePair> pairs;
   if (step.at)
     pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, location + ".at")], {}}, {}});
@@ -266,7 +266,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
 
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();
-  scenes.insert_or_assign(report.result, merged_scene(result, edit_step, target.scene, source.scene, context));
+  states.insert_or_assign(report.result, merged_state(result, edit_step, target.state, source.state, context));
   report.seconds.check = watch.lap();
   report.seconds.total = watch.seconds();
   return report;

@@ -21,7 +21,7 @@
 namespace meshgraft {
 
 /// A mesh during an edit.
-struct Scene {
+struct MeshState {
   Mesh mesh;
   Points rest;        ///< before the first deform step since the faces last changed
   std::string label;  ///< the file or sample it came from
@@ -33,7 +33,7 @@ struct Scene {
 
 /// An edit's inputs, read and checked. They can be run more than once.
 struct LoadedInputs {
-  std::map<std::string, Scene> scenes;  ///< by name
+  std::map<std::string, MeshState> states;  ///< by name
   std::vector<EditReport::Input> reports;
   double read_seconds = 0, check_seconds = 0;
 };
@@ -41,15 +41,15 @@ struct LoadedInputs {
 /// Reads and checks the inputs. Throws Error(io) and Error(input), naming the input.
 LoadedInputs load_inputs(const EditFile& edit, const Context& context);
 
-/// Makes a scene of a mesh that no step has changed: checks it and leaves it unchanged.
-Scene make_scene(Mesh mesh, std::string label, const Context& context);
+/// Makes a state of a mesh that no step has changed: checks it and leaves it unchanged.
+MeshState make_mesh_state(Mesh mesh, std::string label, const Context& context);
 
 /// Maps the vertices in `from` by `map` into `to`; removed vertices are dropped.
 void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to);
 
-/// A deform step on its scene, ready to be solved.
+/// A deform step on its state, ready to be solved.
 struct DeformSetup {
-  Weld weld;                ///< empty: the problem is on the scene's mesh
+  Weld weld;                ///< empty: the problem is on the state's mesh
   Mesh welded;              ///< otherwise the mesh of the problem
   ResolvedProblem problem;  ///< before its boundary is refined
 };
@@ -57,26 +57,26 @@ struct DeformSetup {
 /// Resolves a deform step. `settings`: those in force. Throws what `resolve_deform` throws, and Error(input)
 /// for defects within reach.
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
-                          const Scene& scene, const DeformSettings& settings);
+                          const MeshState& state, const DeformSettings& settings);
 
 /// Returns a step's options with the overrides in their place.
 DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
 
-/// These run one step on its meshes in `scenes` and store the outcome there. They throw what `run_edit`
+/// These run one step on its meshes in `states` and store the outcome there. They throw what `run_edit`
 /// throws.
 StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& location,
-                    std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, Scene& scene,
+                    std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context);
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, MeshState& state,
                       const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& location,
-                     std::map<std::string, Scene>& scenes, const RunOptions& options, const Context& context);
+                     std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context);
 
 /// Computes the placement of the source of a merge step with `at`, before it is deformed.
 class DropPlacement {
  public:
   /// Throws Error(input), like the step, for an invalid loop.
-  DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location, const Scene& target,
-                const Scene& source);
+  DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location, const MeshState& target,
+                const MeshState& source);
 
   /// Returns a map of the source's original coordinates, for `at` and `size` of a step that is otherwise the
   /// same. Without a size the source keeps its own, though the merge may make it smaller. Throws Error(input)
@@ -89,17 +89,17 @@ class DropPlacement {
   std::optional<DropGuide> guide_;
 };
 
-StepReport run_cut(const EditStep& step, const std::string& location, std::map<std::string, Scene>& scenes,
+StepReport run_cut(const EditStep& step, const std::string& location, std::map<std::string, MeshState>& states,
                    const Context& context);
 
-/// Stores in `scenes` the outcome of a deform step whose solution is known, as `run_step` would. `solution`
+/// Stores in `states` the outcome of a deform step whose solution is known, as `run_step` would. `solution`
 /// is the result of `Deformer::evaluate` on the problem that `set_up_deform` makes (n×3). Throws what
 /// `set_up_deform` throws.
 void apply_solution(const EditFile& edit, const EditStep& step, const std::string& location,
-                    std::map<std::string, Scene>& scenes, const Points& solution, const Context& context);
+                    std::map<std::string, MeshState>& states, const Points& solution, const Context& context);
 
-/// Returns the mesh that a step works on, stored in `scenes` under the name of its outcome.
-Scene& scene_for_outcome(const EditStep& step, std::map<std::string, Scene>& scenes);
+/// Returns the mesh that a step works on, stored in `states` under the name of its outcome.
+MeshState& state_for_outcome(const EditStep& step, std::map<std::string, MeshState>& states);
 
 /// Returns the largest displacement of a vertex, model units; n×3 both.
 double largest_displacement(const Points& rest, const Points& edited);
