@@ -46,7 +46,7 @@ Deformer::Impl::Impl(std::shared_ptr<const RestMesh> mesh, const Region& region,
         vertex_normals(mesh->points, mesh->triangles, vertex_triangles(n, mesh->triangles, context), context);
   summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   summary.handle_vertices = static_cast<Index>(constrained.size());
-  require_usable(options);
+  validate(options);
   choose_backend(problem.mask);
   system = std::make_unique<ConstrainedSystem>(problem, options, summary,
                                                other != nullptr ? other->system.get() : nullptr, context);

@@ -152,7 +152,7 @@ bool Diagnostics::has_defects() const {
                      [](const Finding& finding) { return finding.name != "polygon"; });
 }
 
-void require_usable(const Diagnostics& report, const Mesh& mesh, const RequireUsableOptions& options) {
+void require_sound(const Diagnostics& report, const Mesh& mesh, const RequireSoundOptions& options) {
   const bool whole_mesh = options.vertices.empty();
   Flags within(mesh.vertex_count(), whole_mesh);
   for (const Index v : options.vertices) {

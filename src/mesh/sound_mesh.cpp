@@ -37,26 +37,26 @@ SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std
       corners.push_back(same(c));
     kept.add(mesh.faces[f], corners, f);
   }
-  if (kept.faces.size() == 0) require_usable(diagnostics, mesh, {.name = name});
+  if (kept.faces.size() == 0) require_sound(diagnostics, mesh, {.name = name});
 
-  Mesh& usable = usable_.emplace();
-  usable.source = mesh.source;
-  usable.positions = mesh.positions;
+  Mesh& sound = sound_.emplace();
+  sound.source = mesh.source;
+  sound.positions = mesh.positions;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     if (mesh.positions.row(v).allFinite()) continue;
     non_finite_.push_back(v);
-    usable.positions.row(v) = mesh.positions.row(kept.faces[0][0]);
+    sound.positions.row(v) = mesh.positions.row(kept.faces[0][0]);
   }
   std::vector<EdgePoint> faces;
   for (const Index f : kept.face_origin) faces.push_back(same(f));
   for (const Attribute& attribute : mesh.attributes) {
     if (attribute.domain == Domain::vertex)
-      usable.attributes.push_back(attribute);
+      sound.attributes.push_back(attribute);
     else
-      usable.attributes.push_back(
+      sound.attributes.push_back(
           interpolate_attribute(attribute, attribute.domain == Domain::face ? faces : kept.corner_origin));
   }
-  usable.faces = std::move(kept.faces);
+  sound.faces = std::move(kept.faces);
 }
 
 std::optional<Note> SoundMesh::note() const {
@@ -65,7 +65,7 @@ std::optional<Note> SoundMesh::note() const {
 }
 
 void SoundMesh::require_beyond(std::span<const Index> reached) const {
-  if (!usable_) return;
+  if (!sound_) return;
   Flags within(given_.vertex_count(), 0);
   for (const Index v : reached)
     if (is_vertex_of(given_, v)) within[v] = 1;  // a missing vertex is reported where it is used
@@ -76,7 +76,7 @@ void SoundMesh::require_beyond(std::span<const Index> reached) const {
     if (std::ranges::any_of(face, [&](Index v) { return is_vertex_of(given_, v) && within[v]; }))
       touched.insert(touched.end(), face.begin(), face.end());
   }
-  if (!touched.empty()) require_usable(diagnostics_, given_, {.vertices = touched, .name = name_});
+  if (!touched.empty()) require_sound(diagnostics_, given_, {.vertices = touched, .name = name_});
 }
 
 Error SoundMesh::explained(const Error& error) const {

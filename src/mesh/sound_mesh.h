@@ -18,12 +18,12 @@ namespace meshgraft {
 /// given mesh, at no cost.
 class SoundMesh {
  public:
-  /// Keeps references to `mesh` and `diagnostics`. Throws Error(input), as `require_usable` does, where no
+  /// Keeps references to `mesh` and `diagnostics`. Throws Error(input), as `require_sound` does, where no
   /// face would be left. `name` is the mesh's name for messages.
   SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std::string& name);
 
-  const Mesh& mesh() const { return usable_ ? *usable_ : given_; }
-  bool any() const { return usable_.has_value(); }
+  const Mesh& mesh() const { return sound_ ? *sound_ : given_; }
+  bool any() const { return sound_.has_value(); }
 
   /// Returns a note of the faces that were left out (mesh.faces_left_out); none if there are none.
   std::optional<Note> note() const;
@@ -43,7 +43,7 @@ class SoundMesh {
   const Mesh& given_;
   const Diagnostics& diagnostics_;
   std::string name_;
-  std::optional<Mesh> usable_;
+  std::optional<Mesh> sound_;
   std::vector<Index> non_finite_, faces_;  // vertices and faces of the given mesh that were left out
 };
 

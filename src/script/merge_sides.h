@@ -16,21 +16,21 @@ namespace meshgraft {
 struct MergeSide {
   std::string name;  ///< "source" or "target", as in fields and messages
   const MeshState& state;
-  SoundMesh usable;  ///< the mesh to merge; loops and selections are the state's
+  SoundMesh sound;  ///< the mesh to merge; loops and selections are the state's
   SelectionMesh context;
   SelectionResolver selections;
 
   MergeSide(std::string name_, const EditFile& edit, const MeshState& state_)
       : name(std::move(name_)),
         state(state_),
-        usable(state.mesh, state.diagnostics, state.label),
+        sound(state.mesh, state.diagnostics, state.label),
         context(state.mesh),
         selections(edit, context, state.produced) {}
 
   /// Refuses a vertex given by its number if it is not finite or belongs to a defective face.
-  void require_usable(Index vertex, const std::string& location) const {
+  void require_sound(Index vertex, const std::string& location) const {
     try {
-      usable.require_beyond(std::vector<Index>{vertex});
+      sound.require_beyond(std::vector<Index>{vertex});
     } catch (const Error& error) {
       throw error.within(location);
     }
@@ -53,10 +53,10 @@ struct MergeSide {
   /// Checks after the merge that no excluded element lies where the result is new. Then puts the excluded
   /// elements back.
   void finish(const IndexMap& map, MergeResult& result, std::vector<Note>& notes) const {
-    if (!usable.any()) return;
-    usable.require_beyond(reached(map, result.mesh, result.new_faces));
-    usable.put_back(map, result.mesh);
-    if (const auto note = usable.note()) notes.push_back(*note);
+    if (!sound.any()) return;
+    sound.require_beyond(reached(map, result.mesh, result.new_faces));
+    sound.put_back(map, result.mesh);
+    if (const auto note = sound.note()) notes.push_back(*note);
   }
 };
 

@@ -48,7 +48,7 @@ StepReport run_cut(const EditStep& edit_step, const std::string& location, std::
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;
   const MeshState& state = states.at(step.mesh);
-  const SoundMesh usable(state.mesh, state.diagnostics, state.label);
+  const SoundMesh sound(state.mesh, state.diagnostics, state.label);
   StepReport report;
   report.mesh = step.mesh;
   report.result = outcome_of(edit_step);
@@ -56,14 +56,14 @@ StepReport run_cut(const EditStep& edit_step, const std::string& location, std::
   context.step("cut");
   CutResult result;
   try {
-    if (const auto* loop = std::get_if<std::vector<Index>>(&step.along)) usable.require_beyond(*loop);
-    result = cut(usable.mesh(), step, context);
-    usable.require_beyond(vertices_at_cut(result));
-    usable.put_back(result.vertex, result.mesh);
-    if (const auto note = usable.note()) report.notes.push_back(*note);
+    if (const auto* loop = std::get_if<std::vector<Index>>(&step.along)) sound.require_beyond(*loop);
+    result = cut(sound.mesh(), step, context);
+    sound.require_beyond(vertices_at_cut(result));
+    sound.put_back(result.vertex, result.mesh);
+    if (const auto note = sound.note()) report.notes.push_back(*note);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw usable.explained(error).within(location);
+    throw sound.explained(error).within(location);
   }
   report.seconds.solve = watch.lap();
   ProducedSets produced;

@@ -29,7 +29,7 @@ namespace {
 // Returns how many rings around the region the solve uses: stencils of stencils, and their normals.
 int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
 
-void require_usable_within_reach(const MeshState& state, const Region& region, const SelectionMesh& selections,
+void require_sound_within_reach(const MeshState& state, const Region& region, const SelectionMesh& selections,
                                  int reach) {
   std::vector<Index> vertices = region.vertices;
   if (region.whole) {
@@ -40,7 +40,7 @@ void require_usable_within_reach(const MeshState& state, const Region& region, c
   // Vertices without a face have no equations.
   std::erase_if(vertices, [&](Index v) { return selections.components[v] < 0; });
   if (!vertices.empty())
-    require_usable(state.diagnostics, selections.mesh, {.vertices = vertices, .name = state.label});
+    require_sound(state.diagnostics, selections.mesh, {.vertices = vertices, .name = state.label});
 }
 
 // Returns all constraints of a step per vertex: fixed vertices, handles, and constraints of single vertices.
@@ -274,7 +274,7 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const st
   {
     const SelectionMesh selections(mesh, setup.weld);
     setup.problem.deform = resolve_deform(edit, step, selections, location, state.produced);
-    require_usable_within_reach(state, setup.problem.deform.region, selections, reach_rings(settings));
+    require_sound_within_reach(state, setup.problem.deform.region, selections, reach_rings(settings));
   }
   setup.problem.rest = mesh.positions;
   setup.problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;

@@ -172,10 +172,10 @@ DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const 
     : location_(location) {
   MergeSide source("source", edit, source_scene), target("target", edit, target_scene);
   const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location + ".at")];
-  posing_ = posing_of(step, source.usable.mesh(), target.usable.mesh(), location);
-  const Mesh part = posed(source.usable.mesh(), posing_, location);
+  posing_ = posing_of(step, source.sound.mesh(), target.sound.mesh(), location);
+  const Mesh part = posed(source.sound.mesh(), posing_, location);
   try {
-    guide_.emplace(std::make_shared<const Mesh>(target.usable.mesh()), part, loop);
+    guide_.emplace(std::make_shared<const Mesh>(target.sound.mesh()), part, loop);
   } catch (const Error& error) {
     throw placed(error, location);
   }
@@ -210,21 +210,21 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), location);
   for (const MatchSpec& pair : step.align) {
     if (const auto* number = std::get_if<Index>(&pair.source))
-      source.require_usable(*number, location + ".align");
+      source.require_sound(*number, location + ".align");
     if (const auto* number = std::get_if<Index>(&pair.target))
-      target.require_usable(*number, location + ".align");
+      target.require_sound(*number, location + ".align");
   }
   if (step.at)
     if (const auto* number = std::get_if<Index>(&step.at->surface_point))
-      target.require_usable(*number, location + ".at");
+      target.require_sound(*number, location + ".at");
   for (const MergePair& pair : pairs) {
-    source.usable.require_beyond(pair.loops.source);
-    target.usable.require_beyond(pair.loops.target);
+    source.sound.require_beyond(pair.loops.source);
+    target.sound.require_beyond(pair.loops.target);
   }
-  outcome.posing = posing_of(step, source.usable.mesh(), target.usable.mesh(), location);
+  outcome.posing = posing_of(step, source.sound.mesh(), target.sound.mesh(), location);
   if (outcome.options.reach.length)
     *outcome.options.reach.length *= std::cbrt(std::abs(outcome.posing.linear().determinant()));
-  const Mesh part = posed(source.usable.mesh(), outcome.posing, location);
+  const Mesh part = posed(source.sound.mesh(), outcome.posing, location);
   report.seconds.select = watch.lap();
 
   MergeResult result;
@@ -232,20 +232,20 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   try {
     if (step.at) {
       const Drop drop{step.at->surface_point, step.size, step.at->spin_deg, pairs.front().loops.source};
-      DropResult dropped = drop_source(target.usable.mesh(), part, drop, outcome.options, context);
+      DropResult dropped = drop_source(target.sound.mesh(), part, drop, outcome.options, context);
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
       report.notes = std::move(dropped.notes);
       intersections = dropped.intersections;
     } else {
-      result = merge_meshes(target.usable.mesh(), part, pairs, outcome.options, context);
+      result = merge_meshes(target.sound.mesh(), part, pairs, outcome.options, context);
       const Stopwatch measuring;
       intersections = count_intersections(part, result, context);
       report.seconds.measure = measuring.seconds();
     }
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw placed(target.usable.explained(source.usable.explained(error)), location);
+    throw placed(target.sound.explained(source.sound.explained(error)), location);
   }
   // The remaining seconds were spent on the hole and on sizes that were tried before.
   report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);

@@ -51,14 +51,14 @@ TEST(HandleFrame, NumbersThatAreNotFiniteAreRefused) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e101}) {
     HandlePose by_map, by_rotation, by_curve;
     by_map.transform.translation()[1] = bad;
-    EXPECT_THROW(require_usable(by_map, "handle 'a'"), Error);
+    EXPECT_THROW(validate(by_map, "handle 'a'"), Error);
     by_curve.curve = Points::Constant(2, 3, bad);
-    EXPECT_THROW(require_usable(by_curve, "handle 'a'"), Error);
+    EXPECT_THROW(validate(by_curve, "handle 'a'"), Error);
     if (std::isfinite(bad)) continue;
     by_rotation.rotation = Eigen::AngleAxisd(bad, Eigen::Vector3d::UnitX());
-    EXPECT_THROW(require_usable(by_rotation, "handle 'a'"), Error);
+    EXPECT_THROW(validate(by_rotation, "handle 'a'"), Error);
   }
-  EXPECT_NO_THROW(require_usable(HandlePose{}, "handle 'a'"));
+  EXPECT_NO_THROW(validate(HandlePose{}, "handle 'a'"));
 }
 
 TEST(HandleFrame, OnlyAffinePosesHaveOne) {

@@ -176,12 +176,12 @@ TEST(RegionMask, RefusesTrianglesOfMissingVertices) {
 }
 
 TEST(RegionMask, RefusesValuesThatCannotBeUsed) {
-  expect_refused([] { require_usable({.stiffness = -1}); }, "core.out_of_range", "stiffness");
-  expect_refused([] { require_usable({.stiffness = not_a_number}); }, "core.out_of_range", "stiffness");
-  expect_refused([] { require_usable({.iterations = 1001}); }, "core.out_of_range", "iterations");
-  expect_refused([] { require_usable({.smoothing_length_rel = 11}); }, "core.out_of_range",
+  expect_refused([] { validate({.stiffness = -1}); }, "core.out_of_range", "stiffness");
+  expect_refused([] { validate({.stiffness = not_a_number}); }, "core.out_of_range", "stiffness");
+  expect_refused([] { validate({.iterations = 1001}); }, "core.out_of_range", "iterations");
+  expect_refused([] { validate({.smoothing_length_rel = 11}); }, "core.out_of_range",
                  "smoothing_length_rel");
-  EXPECT_NO_THROW(require_usable(DeformerOptions{}));
+  EXPECT_NO_THROW(validate(DeformerOptions{}));
 
   ConstraintList list;
   list.vertex = {4};

@@ -210,35 +210,35 @@ TEST(Cut, CutsTheSoundFacesOfADefectiveMesh) {
   mesh.faces.push_back(std::vector<Index>{0, 1, 9999});
   mesh.attributes[0].values.push_back(2);
   const Diagnostics findings = check_mesh(mesh);
-  const SoundMesh usable(mesh, findings, "torus");
-  ASSERT_TRUE(usable.any());
-  EXPECT_EQ(usable.mesh().face_count(), 768 - 6);
-  EXPECT_EQ(usable.mesh().attributes[0].values, std::vector<double>(762, 1));
-  ASSERT_TRUE(usable.note().has_value());
-  EXPECT_TRUE(usable.note()->text().starts_with("torus: 7 faces that have no place were left out"))
-      << usable.note()->text();
+  const SoundMesh sound(mesh, findings, "torus");
+  ASSERT_TRUE(sound.any());
+  EXPECT_EQ(sound.mesh().face_count(), 768 - 6);
+  EXPECT_EQ(sound.mesh().attributes[0].values, std::vector<double>(762, 1));
+  ASSERT_TRUE(sound.note().has_value());
+  EXPECT_TRUE(sound.note()->text().starts_with("torus: 7 faces that have no place were left out"))
+      << sound.note()->text();
   try {
-    cut_by_plane(usable.mesh(), Vector3d(0, 0, 99), Vector3d(0, 0, 1));
+    cut_by_plane(sound.mesh(), Vector3d(0, 0, 99), Vector3d(0, 0, 1));
     FAIL() << "no error";
   } catch (const Error& error) {
-    const Error explained = usable.explained(error);
+    const Error explained = sound.explained(error);
     EXPECT_EQ(explained.fact(), error.fact());
     ASSERT_EQ(explained.notes().size(), 1u);
-    EXPECT_EQ(explained.notes()[0], *usable.note());
+    EXPECT_EQ(explained.notes()[0], *sound.note());
   }
-  EXPECT_THROW(usable.require_beyond(std::vector<Index>{0}), Error);
+  EXPECT_THROW(sound.require_beyond(std::vector<Index>{0}), Error);
 
-  CutResult result = cut_by_plane(usable.mesh(), Vector3d(0, 0, -0.6 * place.z()), Vector3d(0, 0, 1));
-  usable.require_beyond(vertices_at_cut(result));
-  usable.put_back(result.vertex, result.mesh);
+  CutResult result = cut_by_plane(sound.mesh(), Vector3d(0, 0, -0.6 * place.z()), Vector3d(0, 0, 1));
+  sound.require_beyond(vertices_at_cut(result));
+  sound.put_back(result.vertex, result.mesh);
   const Index now = result.vertex.new_index[highest];
   ASSERT_GE(now, 0);
   EXPECT_TRUE(std::isnan(result.mesh.positions(now, 0)));
   EXPECT_EQ(result.mesh.positions(now, 2), place.z());
   EXPECT_EQ((result.mesh.positions.array().isNaN()).count(), 1);
 
-  const CutResult through = cut_by_plane(usable.mesh(), Vector3d(0, 0, 0.98 * place.z()), Vector3d(0, 0, 1));
-  EXPECT_THROW(usable.require_beyond(vertices_at_cut(through)), Error);
+  const CutResult through = cut_by_plane(sound.mesh(), Vector3d(0, 0, 0.98 * place.z()), Vector3d(0, 0, 1));
+  EXPECT_THROW(sound.require_beyond(vertices_at_cut(through)), Error);
 
   const SoundMesh clean(result.mesh, Diagnostics(), "clean");
   EXPECT_FALSE(clean.any());

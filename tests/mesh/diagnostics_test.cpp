@@ -170,9 +170,9 @@ TEST(RequireUsable, RefusesOnlyWithinReach) {
   mesh.positions(3, 0) = std::nan("");
   mesh.faces.push_back(Indices{1, 2, 99});
   const Diagnostics report = check_mesh(mesh);
-  EXPECT_NO_THROW(require_usable(report, mesh, {.vertices = Indices{8, 9, 15}, .name = "model.ply"}));
+  EXPECT_NO_THROW(require_sound(report, mesh, {.vertices = Indices{8, 9, 15}, .name = "model.ply"}));
   try {
-    require_usable(report, mesh, {.vertices = Indices{3, 9}, .name = "model.ply"});
+    require_sound(report, mesh, {.vertices = Indices{3, 9}, .name = "model.ply"});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
@@ -183,13 +183,13 @@ TEST(RequireUsable, RefusesOnlyWithinReach) {
     EXPECT_FALSE(error.remedy().empty());
   }
   try {
-    require_usable(report, mesh, {.vertices = Indices{2}, .name = "model.ply"});
+    require_sound(report, mesh, {.vertices = Indices{2}, .name = "model.ply"});
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.id(), "mesh.index_out_of_range_within_reach");
     EXPECT_EQ(error.fact().get<std::vector<std::int64_t>>("first"), std::vector<std::int64_t>{12});
   }
-  EXPECT_THROW(require_usable(report, mesh, {.name = "model.ply"}), Error);
+  EXPECT_THROW(require_sound(report, mesh, {.name = "model.ply"}), Error);
 }
 
 TEST(RequireUsable, AcceptsWhatIsWorkedAround) {
@@ -198,7 +198,7 @@ TEST(RequireUsable, AcceptsWhatIsWorkedAround) {
   mesh.faces.push_back(Indices{0, 0, 1});
   const Diagnostics report = check_mesh(mesh);
   EXPECT_FALSE(report.clean());
-  EXPECT_NO_THROW(require_usable(report, mesh, {.name = "model.ply"}));
+  EXPECT_NO_THROW(require_sound(report, mesh, {.name = "model.ply"}));
 }
 
 }  // namespace

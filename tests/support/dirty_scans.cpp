@@ -144,7 +144,7 @@ std::string defects_of(const TopologySummary& topology) {
 
 Trial try_deform(const Mesh& mesh) {
   try {
-    require_usable(check_mesh(mesh), mesh, {.name = "the mesh"});
+    require_sound(check_mesh(mesh), mesh, {.name = "the mesh"});
     const std::string defects = defects_of(summarise_topology(mesh));
     const Ends ends = ends_of(mesh, connected_components(mesh));
     const Triangles triangles = triangulate(mesh).triangles;

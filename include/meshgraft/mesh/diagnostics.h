@@ -74,7 +74,7 @@ struct Diagnostics {
 /// height is lost in the precision of its coordinates (4 ulp of the largest one).
 Diagnostics check_mesh(const Mesh& mesh, const Context& context = {});
 
-struct RequireUsableOptions {
+struct RequireSoundOptions {
   std::span<const Index> vertices{};  ///< the vertices that an edit reaches; empty: the whole mesh
   std::string name{};                 ///< the mesh's file name, the location of the error
 };
@@ -82,6 +82,6 @@ struct RequireUsableOptions {
 /// Throws Error(input) for the first refused finding that touches one of the options' vertices:
 /// mesh.non_finite_within_reach or mesh.index_out_of_range_within_reach, with the finding's number of
 /// vertices or faces, and the first five of those that touch. A face touches if one of its vertices does.
-void require_usable(const Diagnostics& report, const Mesh& mesh, const RequireUsableOptions& options = {});
+void require_sound(const Diagnostics& report, const Mesh& mesh, const RequireSoundOptions& options = {});
 
 }  // namespace meshgraft

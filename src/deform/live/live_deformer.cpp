@@ -66,16 +66,16 @@ class PositionPool : public std::enable_shared_from_this<PositionPool> {
   std::vector<std::unique_ptr<Points>> spares_;
 };
 
-void require_usable(std::span<const HandlePose> poses, std::span<const Handle> handles) {
+void validate(std::span<const HandlePose> poses, std::span<const Handle> handles) {
   if (poses.size() != handles.size())
     throw Error(facts::core::SizeMismatch{
         .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
   for (std::size_t h = 0; h < poses.size(); ++h)
-    require_usable(poses[h], fmt::format("handle '{}'", handles[h].name));
+    validate(poses[h], fmt::format("handle '{}'", handles[h].name));
 }
 
 void validate(const LiveOptions& options) {
-  require_usable(options.deformer);
+  validate(options.deformer);
   validate(options.deformer.operators);
   validate(options.reduced);
   if (options.proxy_vertices < 1)
@@ -480,7 +480,7 @@ LiveDeformer::~LiveDeformer() = default;
 
 std::int64_t LiveDeformer::drag(std::span<const HandlePose> poses) {
   Impl& d = *impl_;
-  require_usable(poses, d.problem.region.handles);
+  validate(poses, d.problem.region.handles);
   const auto settle = std::chrono::duration<double>(d.options.settle_seconds);
   std::vector<HandlePose> copy(poses.begin(), poses.end());
   const std::lock_guard lock(d.mutex);

@@ -383,7 +383,7 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
                                EvaluationReport* report) const {
   if (report != nullptr) *report = {};
   if (!deformer) return;
-  for (const VertexConstraint& constraint : given) require_usable(constraint);
+  for (const VertexConstraint& constraint : given) validate(constraint);
   std::vector<Bone> posed;
   try {
     posed = bones(given, context, report);

@@ -156,17 +156,17 @@ void ConstraintList::require_matching(std::span<const VertexConstraint> constrai
     if (constraint.vertex != vertex[c] || constraint.position.has_value() != (gives_position[c] != 0) ||
         constraint.transform.has_value() != (gives_transform[c] != 0))
       throw Error(facts::deform::ConstraintDiffers{.constraint = c});
-    require_usable(constraint);
+    validate(constraint);
   }
 }
 
-void require_usable(const DeformerOptions& options) {
+void validate(const DeformerOptions& options) {
   require_between(options.stiffness, 0, 1e6, "stiffness");
   require_between(options.iterations, 0, 1000, "iterations");
   require_between(options.smoothing_length_rel, 0, 10, "smoothing_length_rel");
 }
 
-void require_usable(const VertexConstraint& constraint) {
+void validate(const VertexConstraint& constraint) {
   if (constraint.rotation &&
       !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
     throw Error(facts::core::NotFinite{.what = facts::core::Quantity::rotation},

@@ -41,9 +41,9 @@ ConstraintMask make_mask(Index count, const Region& region, std::span<const Vert
                          ConstraintList& constrained);
 
 /// Throws Error(input), naming the field, if an option of the method is out of range.
-void require_usable(const DeformerOptions& options);
+void validate(const DeformerOptions& options);
 /// Throws Error(input) if a value of the constraint is not finite, or so large that squares overflow.
-void require_usable(const VertexConstraint& constraint);
+void validate(const VertexConstraint& constraint);
 
 /// Performs the check that `Deformer` makes before assembly. Throws Error(unsolvable) if the constraints do
 /// not determine a connected free component.

@@ -20,7 +20,7 @@ HandleFrame handle_frame(const HandlePose& pose, const Eigen::RowVector3d& centr
 ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std::span<const Handle> handles);
 
 /// Throws Error(input) at `location` if a number is not finite or too large to compute with.
-void require_usable(const HandlePose& pose, const std::string& location);
+void validate(const HandlePose& pose, const std::string& location);
 
 /// Throws Error(usage) if the numbers of poses and handles differ. Throws Error(input) if a curve was
 /// redrawn, since its vertices then move independently. Throws Error(input) for a number that is not finite
