@@ -36,9 +36,13 @@ export class FrameScheduler {
     private readonly done: (picture: Drawn, medianMs: number) => void,
   ) {}
 
-  /** Whether no picture is wanted or being made, the antialiased one at rest included. */
+  /** Whether no picture is wanted or being made; an antialiased one may follow. */
   get isIdle(): boolean {
-    return !this.wanted && !this.busy && this.refineTimer === undefined;
+    return !this.wanted && !this.busy;
+  }
+  /** Whether no picture will be made until the next request. */
+  get isFinished(): boolean {
+    return this.isIdle && this.refineTimer === undefined;
   }
 
   request(): void {

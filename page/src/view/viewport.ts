@@ -305,9 +305,13 @@ export class Viewport {
     return this.projection.rayAt(clientX, clientY);
   }
 
-  /** Whether the camera is at rest and the last picture is drawn. */
+  /** Whether the camera is at rest and what it sees is drawn; an antialiased picture may follow. */
   get isAtRest(): boolean {
     return !this.navigation.isMoving && performance.now() >= this.posesMoveUntil && this.scheduler.isIdle;
+  }
+  /** Whether the camera is at rest and the last picture is drawn, with antialiasing where it is quick enough. */
+  get isFinished(): boolean {
+    return this.isAtRest && this.scheduler.isFinished;
   }
 
   /** Frames everything, or some vertices of the model as shown. */

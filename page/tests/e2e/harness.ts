@@ -31,6 +31,7 @@ const browserArguments = [
   "--disable-component-update",
   "--disable-sync",
   "--disable-quic",
+  "--disable-gpu-rasterization", // which Debian turns on, and SwiftShader would do
 ];
 
 /** Runs the program with these arguments, and returns what it prints. Throws where it fails. */
@@ -253,9 +254,8 @@ export class User {
   }
 
   /**
-   * Waits until the engine has answered all requests and the view is at rest: the camera stands still, and the
-   * last picture is drawn, with smooth edges. The view must rest for several frames, because an answer of the
-   * engine may begin a movement.
+   * Waits until the engine has answered all requests and the view is at rest: the camera stands still, and what it
+   * sees is drawn. The view must rest for several frames, because an answer of the engine may begin a movement.
    */
   async rests(): Promise<void> {
     if (await this.page.evaluate(() => window.meshgraft.editor.state.value !== null)) await this.settle();
@@ -274,6 +274,7 @@ export class User {
     mkdirSync(screenshots, { recursive: true });
     const isJpeg = name.endsWith(".jpg");
     if (isJpeg) await this.rests();
+    await this.page.waitForFunction(() => window.meshgraft.viewport.isFinished);
     const path = join(screenshots, isJpeg ? name : `${name}.png`);
     await this.page.screenshot(isJpeg ? { path, type: "jpeg", quality: 85 } : { path });
   }
@@ -313,6 +314,7 @@ export class EditorHarness {
     const context = await (await sharedBrowser()).newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
       colorScheme: options.dark === true ? "dark" : "light",
+      reducedMotion: "reduce",
     });
     const page = await context.newPage();
     const user = new User(page);

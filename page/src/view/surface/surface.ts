@@ -235,8 +235,7 @@ export class Surface {
     this.region = frame.indices("region") ?? new Uint32Array();
     this.fixed = frame.indices("fixed") ?? new Uint32Array();
     this.handles.clear();
-    for (const name of frame.names())
-      if (name.startsWith("handle: ")) this.handles.set(name.slice(8), frame.indices(name) ?? new Uint32Array());
+    for (const [name, vertices] of frame.handles()) this.handles.set(name, vertices);
     this.linear.discardWeights();
     this.deform.linear.value = false;
     this.slices.start("tint", this.paintRoles());
@@ -354,9 +353,8 @@ export class Surface {
     const pictures = frame.indices("pictures");
     const uv = frame.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
     if (uv === undefined) return undefined;
-    const files = frame.names().filter((name) => name.startsWith("picture ")).flatMap((name) => frame.bytes(name) ?? []);
     const makeMaterial = () => surfaceMaterial(this.look, this.deform, this.own);
-    return new TexturedSurface(this, uv, pictures, files, makeMaterial);
+    return new TexturedSurface(this, uv, pictures, frame.pictures(), makeMaterial);
   }
 
   /** Returns the vertices' texture coordinates, one pair for each corner. */

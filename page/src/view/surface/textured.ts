@@ -21,12 +21,12 @@ export class TexturedSurface {
   private shownAsOf = "";
   private isDisposed = false;
 
-  /** `uv`: per corner, 2 numbers each; `pictures`: per triangle, 0 for none; `files`: images from number 1 on. */
+  /** `uv`: per corner, 2 numbers each; `pictures`: per triangle, 0 for none; `files`: images by number. */
   constructor(
     private readonly surface: Surface,
     private readonly uv: Float32Array,
     private readonly pictures: Uint32Array | undefined,
-    private readonly files: readonly Uint8Array<ArrayBuffer>[],
+    private readonly files: ReadonlyMap<number, Uint8Array<ArrayBuffer>>,
     private readonly makeMaterial: () => ShaderMaterial,
   ) {}
 
@@ -45,7 +45,7 @@ export class TexturedSurface {
     geometry.setIndex(new BufferAttribute(wedges.triangles, 1));
     geometry.boundingSphere = surface.geometry.boundingSphere;
     wedges.groups.forEach(({ start, count }, i) => geometry.addGroup(start, count, i));
-    const materials = wedges.groups.map(({ picture }) => this.materialOf(this.files[picture - 1]));
+    const materials = wedges.groups.map(({ picture }) => this.materialOf(this.files.get(picture)));
     this.mesh = new Mesh(geometry, materials);
     this.mesh.frustumCulled = false;
     this.wedges = wedges;
