@@ -7,6 +7,7 @@
 #include <meshgraft/samples/samples.h>
 #include <meshgraft/select/selection.h>
 
+#include "io/file.h"
 #include "io/selection_files.h"
 
 namespace meshgraft::bench {

@@ -8,6 +8,8 @@
 
 #include <meshgraft/io/mesh_io.h>
 
+#include "io/file.h"
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 int main(int argc, char** argv) {

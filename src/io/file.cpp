@@ -6,7 +6,6 @@
 #include <system_error>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/io/mesh_io.h>
 
 #include "core/platform/file.h"
 #include "core/platform/memory.h"

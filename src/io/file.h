@@ -2,12 +2,27 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <system_error>
 
 #include <meshgraft/core/error.h>
 
 #include "io/facts.h"
+
+namespace meshgraft {
+
+/// Writes `content` to `path` so that a reader sees either the old file or the whole new one (a temporary
+/// file beside it, flushed, then renamed). Throws Error(io), leaving no temporary file behind.
+void write_file_atomically(const std::filesystem::path& path, std::string_view content);
+
+/// Follows the symbolic links of a path to their end, whether or not a file exists there.
+std::filesystem::path follow_links(std::filesystem::path path);
+
+/// Returns a whole file as bytes. Throws Error(io): io.file_not_found, io.is_folder, io.no_permission, ….
+std::string read_file(const std::filesystem::path& path);
+
+}  // namespace meshgraft
 
 namespace meshgraft::io {
 

@@ -1,4 +1,4 @@
-#include <meshgraft/linalg/linear_solver.h>
+#include "sparse.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "io/file.h"
 #include "temporary_folder.h"
 
 namespace meshgraft {

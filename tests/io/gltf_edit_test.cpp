@@ -8,6 +8,7 @@
 
 #include "gltf_builder.h"
 #include "gltf_cases.h"
+#include "io/file.h"
 #include "temporary_folder.h"
 
 namespace meshgraft::test {

@@ -12,6 +12,7 @@
 
 #include "expect_error.h"
 #include "gltf_builder.h"
+#include "io/file.h"
 #include "temporary_folder.h"
 
 namespace meshgraft::test {

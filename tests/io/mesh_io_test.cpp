@@ -12,6 +12,7 @@
 #include <meshgraft/core/error.h>
 
 #include "expect_error.h"
+#include "io/file.h"
 #include "temporary_folder.h"
 
 namespace meshgraft {

@@ -8,6 +8,7 @@
 
 #include <meshgraft/io/mesh_io.h>
 
+#include "io/file.h"
 #include "mesh/join.h"
 #include "mesh/refine.h"
 #include "obj_files.h"

@@ -10,6 +10,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "damage.h"
+#include "io/file.h"
 #include "obj_files.h"
 #include "temporary_folder.h"
 

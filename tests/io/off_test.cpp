@@ -10,6 +10,7 @@
 
 #include "damage.h"
 #include "expect_error.h"
+#include "io/file.h"
 #include "temporary_folder.h"
 
 namespace meshgraft {

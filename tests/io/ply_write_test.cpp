@@ -9,6 +9,7 @@
 
 #include "damage.h"
 #include "expect_error.h"
+#include "io/file.h"
 #include "ply_files.h"
 #include "temporary_folder.h"
 

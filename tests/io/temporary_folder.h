@@ -9,6 +9,8 @@
 
 #include <meshgraft/io/mesh_io.h>
 
+#include "io/file.h"
+
 namespace meshgraft::test {
 
 /// A temporary folder, removed on destruction.

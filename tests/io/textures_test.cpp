@@ -7,6 +7,7 @@
 
 #include <meshgraft/io/mesh_io.h>
 
+#include "io/file.h"
 #include "io/textures.h"
 #include "mesh/join.h"
 #include "temporary_folder.h"

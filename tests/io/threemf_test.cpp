@@ -13,6 +13,7 @@
 #include <meshgraft/samples/samples.h>
 
 #include "io/expect_error.h"
+#include "io/file.h"
 #include "io/temporary_folder.h"
 #include "support/mesh_families.h"
 

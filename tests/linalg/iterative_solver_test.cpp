@@ -153,10 +153,10 @@ TEST(IterativeSolver, ReportsProgressAndStopsWhenAsked) {
   double last = -1;
   Context context;
   context.stop_token = stop.get_token();
-  context.progress = [&](std::string_view stage, double fraction) {
-    EXPECT_EQ(stage, "solve");
-    EXPECT_LE(fraction, 1);
-    last = std::max(last, fraction);
+  context.progress = [&](const Progress& progress) {
+    EXPECT_EQ(progress.stage, "solve");
+    EXPECT_LE(progress.fraction, 1);
+    last = std::max(last, progress.fraction);
     if (++steps == 4) stop.request_stop();
   };
   try {

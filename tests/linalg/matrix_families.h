@@ -12,6 +12,7 @@
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
 
 namespace meshgraft {

@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "linalg/sparse.h"
 #include "matrix_families.h"
 #include "random_sparse.h"
 

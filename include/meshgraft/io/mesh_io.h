@@ -67,14 +67,4 @@ void require_morph_targets(const std::filesystem::path& path);
 /// textures, a glTF file's buffers and images.
 std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path);
 
-/// Writes `content` to `path` so that a reader sees either the old file or the whole new one (a temporary
-/// file beside it, flushed, then renamed). Throws Error(io), leaving no temporary file behind.
-void write_file_atomically(const std::filesystem::path& path, std::string_view content);
-
-/// Follows the symbolic links of a path to their end, whether or not a file exists there.
-std::filesystem::path follow_links(std::filesystem::path path);
-
-/// Returns a whole file as bytes. Throws Error(io): io.file_not_found, io.is_folder, io.no_permission, ….
-std::string read_file(const std::filesystem::path& path);
-
 }  // namespace meshgraft

@@ -117,25 +117,6 @@ double estimate_condition(double norm, const LinearSolver& solver, const Context
 /// A sparse matrix by rows; all operators have this form.
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
 
-/// A block of columns, e.g. three right-hand sides, stored row by row.
-using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Computes a·b, row by row in parallel (Gustavson 1978). The order of every sum is fixed, so the result does
-/// not depend on the number of threads. The columns of each row are sorted. Throws Error(input) with the
-/// id linalg.operator_too_large when the product has 2³¹ or more non-zeros.
-SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context = {});
-
-/// Computes a·x for a block of columns, in parallel.
-Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
-
-/// Returns the rows of `top` followed by those of `bottom`.
-SparseRows stack(const SparseRows& top, const SparseRows& bottom);
-
-SparseRows transpose(const SparseRows& a, const Context& context = {});
-
-/// Returns a matrix with `lengths[i]` entries in row i. Its entries are not yet written; columns must ascend.
-SparseRows rows_of_lengths(std::span<const int> lengths, Eigen::Index columns);
-
 /// Returns the better value of the environment variable OPENBLAS_CORETYPE, or an empty string if there is
 /// nothing to gain or no OpenBLAS. An OpenBLAS older than the processor runs kernels for a processor of 2004,
 /// and factorisation takes twice as long. OpenBLAS reads the variable when it is loaded, so the program has

@@ -12,8 +12,10 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "core/hex_digit.h"
 #include "gltf/facts.h"
 #include "io/facts.h"
+#include "io/file.h"
 
 namespace meshgraft::io {
 
@@ -55,12 +57,6 @@ constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmno
 int base64_digit(char c) {
   const std::size_t digit = c == '-' ? 62 : c == '_' ? 63 : alphabet.find(c);
   return digit == std::string_view::npos ? -1 : static_cast<int>(digit);
-}
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  const int lower = std::tolower(static_cast<unsigned char>(c));
-  return lower >= 'a' && lower <= 'f' ? lower - 'a' + 10 : -1;
 }
 
 std::string decode_data_uri(const std::string& uri, const JsonView& location) {

@@ -127,7 +127,7 @@ std::size_t GltfEdit::store_copy(std::size_t accessor_index, const GltfChanges& 
 std::size_t GltfEdit::buffer_for_new_bytes() {
   for (std::size_t b = 0; b < document_.buffers.size(); ++b)
     if (document_.buffers[b].storage != GltfBuffer::Storage::absent) return b;
-  throw Error(facts::core::Defect{.what = "a glTF file with elements has no buffer"});
+  throw Error(facts::core::Bug{.what = "a glTF file with elements has no buffer"});
 }
 
 std::size_t GltfEdit::append_view(std::string_view bytes, std::size_t stride, int target) {

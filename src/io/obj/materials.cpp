@@ -12,6 +12,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "io/facts.h"
+#include "io/file.h"
 #include "mesh/join.h"
 #include "mtl.h"
 

@@ -49,7 +49,7 @@ class Session {
  public:
   explicit Session(const Context& context) : context_(context) {
     if (NMR::lib3mf_createmodel(model_.receive()) != LIB3MF_OK)
-      throw Error(facts::core::Defect{.what = "lib3mf cannot make a model"});
+      throw Error(facts::core::Bug{.what = "lib3mf cannot make a model"});
   }
 
   NMR::PLib3MFModel* model() const { return model_.get(); }

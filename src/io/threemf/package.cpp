@@ -58,12 +58,12 @@ class Archive {
     zip_stat_t status;
     std::string bytes;
     if (zip_source_open(source_) != 0 || zip_source_stat(source_, &status) != 0)
-      throw Error(facts::core::Defect{.what = "the written package cannot be read"});
+      throw Error(facts::core::Bug{.what = "the written package cannot be read"});
     bytes.resize(status.size);
     const zip_int64_t got = zip_source_read(source_, bytes.data(), bytes.size());
     zip_source_close(source_);
     if (got != static_cast<zip_int64_t>(bytes.size()))
-      throw Error(facts::core::Defect{.what = "the written package cannot be read whole"});
+      throw Error(facts::core::Bug{.what = "the written package cannot be read whole"});
     return bytes;
   }
 
@@ -144,7 +144,7 @@ std::string with_parts(std::string_view package, const std::vector<PackagePart>&
     if (source == nullptr || zip_stat_index(archive.get(), static_cast<zip_uint64_t>(index), 0, &old) != 0 ||
         zip_file_replace(archive.get(), static_cast<zip_uint64_t>(index), source, 0) != 0) {
       if (source != nullptr) zip_source_free(source);
-      throw Error(facts::core::Defect{.what = "the part " + part.name + " cannot be replaced"});
+      throw Error(facts::core::Bug{.what = "the part " + part.name + " cannot be replaced"});
     }
     zip_set_file_compression(archive.get(), static_cast<zip_uint64_t>(index),
                              old.comp_method == ZIP_CM_STORE ? ZIP_CM_STORE : ZIP_CM_DEFLATE, 0);

@@ -231,7 +231,8 @@ Mesh read_threemf(std::string content, const std::string& name, const Context& c
   require_sensible_build(*document, name);
   context.step("read", 0.5);
   const ThreemfModel model = read_threemf_model(document->package, name, context);
-  if (std::ranges::all_of(document->parts, [](const PackagePart& part) { return is_utf8(part.content); }))
+  if (std::ranges::none_of(document->parts,
+                           [](const PackagePart& part) { return has_utf16_mark(part.content); }))
     document->sources = match(document->scanned, model.objects);
   document->length_unit = model.unit;
   document->placements = model.placements;

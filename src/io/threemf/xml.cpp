@@ -165,7 +165,7 @@ ThreemfPart scan_part(std::string_view xml, const std::string& location) {
   return PartScanner(xml, location).scan();
 }
 
-bool is_utf8(std::string_view xml) { return !xml.starts_with("\xFF\xFE") && !xml.starts_with("\xFE\xFF"); }
+bool has_utf16_mark(std::string_view xml) { return xml.starts_with("\xFF\xFE") || xml.starts_with("\xFE\xFF"); }
 
 void append_tag(std::string& out, std::string_view tag, const Eigen::RowVector3d& from,
                 const Eigen::RowVector3d& to) {

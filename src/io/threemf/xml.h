@@ -35,8 +35,8 @@ struct ThreemfPart {
 /// has a malformed one.
 ThreemfPart scan_part(std::string_view xml, const std::string& location);
 
-/// Returns whether bytes and characters of the part are the same, so that its tags can be rewritten.
-bool is_utf8(std::string_view xml);
+/// Returns whether the part begins with the mark of UTF-16. Its tags can then not be rewritten byte by byte.
+bool has_utf16_mark(std::string_view xml);
 
 /// Appends the `<vertex …>` tag with the coordinates that differ between `from` and `to` replaced by the
 /// shortest text that reads back as the same number.

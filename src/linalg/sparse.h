@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/linalg/linear_solver.h>
+
+namespace meshgraft {
+
+/// A block of columns, e.g. three right-hand sides, stored row by row.
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Computes a·b, row by row in parallel (Gustavson 1978). The order of every sum is fixed, so the result does
+/// not depend on the number of threads. The columns of each row are sorted. Throws Error(input) with the
+/// id linalg.operator_too_large when the product has 2³¹ or more non-zeros.
+SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context = {});
+
+/// Computes a·x for a block of columns, in parallel.
+Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
+
+/// Returns the rows of `top` followed by those of `bottom`.
+SparseRows stack(const SparseRows& top, const SparseRows& bottom);
+
+/// Computes aᵀ in parallel; columns of each row are sorted.
+SparseRows transpose(const SparseRows& a, const Context& context = {});
+
+/// Returns a matrix with `lengths[i]` entries in row i. Its entries are not yet written; columns must ascend.
+SparseRows rows_of_lengths(std::span<const int> lengths, Eigen::Index columns);
+
+}  // namespace meshgraft
