@@ -6,6 +6,7 @@
 
 #include "baselines/facts.h"
 #include "core/facts.h"
+#include "core/require_between.h"
 #include "methods.h"
 
 namespace meshgraft {
@@ -47,10 +48,6 @@ std::string_view to_string(Baseline value) {
 }
 
 void validate(const BaselineOptions& options) {
-  const auto require_between = [](double value, double low, double high, const char* field) {
-    if (!(value >= low && value <= high))
-      throw Error(facts::core::OutOfRange{.value = value, .low = low, .high = high}, field);
-  };
   const auto require_positive = [](double value, const char* field) {
     if (!(value >= 0)) throw Error(facts::core::Negative{.value = value}, field);
   };

@@ -27,8 +27,7 @@ enum class Baseline {
 };
 
 inline constexpr Baseline all_baselines[] = {Baseline::botsch_kobbelt_2004, Baseline::lipman_2004,
-                                             Baseline::sorkine_2004, Baseline::yu_2004,
-                                             Baseline::arap_2007};
+                                             Baseline::sorkine_2004, Baseline::yu_2004, Baseline::arap_2007};
 
 /// Returns "botsch-kobbelt-2004", "lipman-2004", "sorkine-2004", "yu-2004" or "arap-2007".
 std::string_view to_string(Baseline value);

@@ -6,6 +6,7 @@
 
 #include <meshgraft/mesh/normals.h>
 
+#include "linalg/sparse.h"
 #include "methods.h"
 #include "operators/laplacian.h"
 

@@ -14,7 +14,9 @@
 #include "baselines/facts.h"
 #include "core/parallel.h"
 #include "deform/facts.h"
+#include "deform/setup/checks.h"
 #include "deform/setup/region_mask.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft::baselines {
 

@@ -15,6 +15,7 @@
 #include <meshgraft/operators/affine_operator.h>
 
 #include "deform/setup/patch.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft::baselines {
 

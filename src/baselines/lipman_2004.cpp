@@ -1,5 +1,6 @@
 #include <meshgraft/mesh/normals.h>
 
+#include "linalg/sparse.h"
 #include "methods.h"
 #include "operators/laplacian.h"
 

@@ -4,6 +4,7 @@
 
 #include "baselines.h"
 #include "edit_problem.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft::baselines {
 

@@ -9,6 +9,8 @@
 
 #include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
+#include "deform/solve/rotations.h"
+#include "linalg/sparse.h"
 #include "methods.h"
 #include "operators/laplacian.h"
 
@@ -18,10 +20,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-Matrix3d cross_matrix(const Vector3d& v) {
-  return (Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-}
 
 /// Returns the pseudo-inverse. It is zero in the directions that a ring on one line leaves undetermined.
 Matrix3d pseudo_inverse(const Matrix3d& symmetric) {

@@ -74,7 +74,7 @@ MergeIntersections count_intersections(const Mesh& source, const MergeResult& me
 }
 
 DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options,
-                     const Context& context) {
+                       const Context& context) {
   constexpr int most_tries = 3;
   if (find_conflict({.pose = options.pose, .dropped = true}))
     throw Error(facts::merge::DroppedPoseKept{}, "pose");

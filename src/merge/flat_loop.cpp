@@ -12,6 +12,7 @@
 #include "loop_curve.h"
 #include "loops.h"
 #include "merge/facts.h"
+#include "mesh/area_vector.h"
 
 namespace meshgraft {
 
@@ -26,7 +27,7 @@ Eigen::RowVector2d centre(PlanePoints& polygon) {
   polygon.rowwise() -= mean;
   for (Eigen::Index i = 0; i < polygon.rows(); ++i) {
     const Eigen::RowVector2d a = polygon.row(i), b = polygon.row((i + 1) % polygon.rows());
-    sum += (a.x() * b.y() - a.y() * b.x()) * (a + b) / 3;
+    sum += cross(a, b) * (a + b) / 3;
   }
   const Eigen::RowVector2d shift = sum / double_area(polygon);
   polygon.rowwise() -= shift;

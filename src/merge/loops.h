@@ -37,6 +37,7 @@ double raggedness_deg(const Points& loop);
 /// Returns a smoothed copy of a loop.
 Points smoothed_loop(const Points& loop);
 
+/// Returns the mean length of the edges of a loop.
 double mean_edge_length(const Points& loop);
 
 /// Returns the name of a pair for messages; empty where there is only one.

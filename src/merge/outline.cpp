@@ -5,11 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "mesh/area_vector.h"
+
 namespace meshgraft {
 
 namespace {
-
-double cross(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Returns whether two segments intersect or touch.
 bool segments_meet(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b, const Eigen::RowVector2d& c,

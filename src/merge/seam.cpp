@@ -15,6 +15,7 @@
 #include "../mesh/edge_table.h"
 #include "core/facts.h"
 #include "gap_fill.h"
+#include "loops.h"
 #include "merge/facts.h"
 #include "mesh/join.h"
 #include "ring_removal.h"
@@ -37,8 +38,7 @@ void check_options(const SeamOptions& options) {
   };
   require(options.edge_ratio >= 1, facts::merge::EdgeRatioBelowOne{.edge_ratio = options.edge_ratio},
           "edge_ratio");
-  require(options.smoothing_steps >= 0, facts::core::Negative{.value = options.smoothing_steps},
-          "smoothing_steps");
+  require(options.fairings >= 0, facts::core::Negative{.value = options.fairings}, "fairings");
   require(options.target_rings >= 0, facts::core::Negative{.value = options.target_rings}, "target_rings");
   require(options.source_rings >= 0, facts::core::Negative{.value = options.source_rings}, "source_rings");
   require(options.sharp_angle_deg >= 0 && options.sharp_angle_deg <= 180,
@@ -86,14 +86,6 @@ void check_loops(const Mesh& mesh, const std::string& side, const std::vector<co
       throw Error(facts::merge::NoBoundaryEdge{.vertex = a, .next_vertex = b}, location);
     }
   }
-}
-
-double mean_edge_length(const Points& positions, const Loop& loop) {
-  double sum = 0;
-  for (std::size_t k = 0; k < loop.size(); ++k) {
-    sum += (positions.row(loop[k]) - positions.row(loop[(k + 1) % loop.size()])).norm();
-  }
-  return sum / static_cast<double>(loop.size());
 }
 
 // Returns the pairs in a canonical order, so that the given order does not matter.
@@ -189,7 +181,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   std::vector<RingRequest> requests;
   for (const std::size_t k : order) {
     requests.push_back({beginning_with_smallest(pairs[k].target),
-                        options.edge_ratio * mean_edge_length(source.positions, pairs[k].source),
+                        options.edge_ratio * mean_edge_length(source.positions(pairs[k].source, Eigen::all)),
                         location_of(k)});
   }
   const RingRemoval opened = remove_rings(target, requests, context);
@@ -252,8 +244,8 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
       summarise_topology(target).euler_characteristic + summarise_topology(source).euler_characteristic;
   double source_length = 0, target_length = 0;
   for (std::size_t k = 0; k < order.size(); ++k) {
-    source_length += mean_edge_length(source.positions, pairs[order[k]].source);
-    target_length += mean_edge_length(opened.mesh.positions, opened.loops[k]);
+    source_length += mean_edge_length(source.positions(pairs[order[k]].source, Eigen::all));
+    target_length += mean_edge_length(opened.mesh.positions(opened.loops[k], Eigen::all));
   }
   result.report.source_edge_ratio = pairs.empty() ? 1 : source_length / target_length;
   context.step("seam", 1);

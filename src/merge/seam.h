@@ -17,7 +17,7 @@ struct SeamResult {
   Mesh mesh;                     ///< kept vertices of the target in their order, then those of the source
   IndexMap target, source;       ///< vertices, old → new
   std::vector<Index> new_faces;  ///< faces of the strip, in `mesh`
-  std::vector<Index> band;       ///< vertices of `mesh` that smoothing could move
+  std::vector<Index> band;       ///< vertices of `mesh` that fairing could move
   SeamReport report;
   std::vector<Note> notes;  ///< about names of the source that were changed
 };

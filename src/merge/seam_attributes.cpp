@@ -32,7 +32,9 @@ double number_of(Attribute& attribute, const std::string& label) {
   return number;
 }
 
-bool is_normal(const Attribute& attribute) { return attribute.name == "normal" && attribute.components == 3; }
+bool is_surface_normal(const Attribute& attribute) {
+  return attribute.name == "normal" && attribute.components == 3;
+}
 
 Eigen::RowVector3d face_normal(const Mesh& mesh, Index triangle) {
   const auto corners = mesh.faces[triangle];
@@ -92,7 +94,7 @@ void add_strip(Mesh& mesh, std::span<const std::array<Index, 3>> triangles, std:
 }
 
 void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unfaired) {
-  const bool has_normals = std::any_of(mesh.attributes.begin(), mesh.attributes.end(), is_normal);
+  const bool has_normals = std::any_of(mesh.attributes.begin(), mesh.attributes.end(), is_surface_normal);
   if (!has_normals) return;
   update_normals(mesh, unfaired);
   const Points normals = vertex_normals(mesh);
@@ -102,7 +104,7 @@ void renew_normals(Mesh& mesh, const SeamLayout& layout, const Points& unfaired)
     for (const Index v : mesh.faces[f]) on_strip[v] = true;
   }
   for (Attribute& attribute : mesh.attributes) {
-    if (!is_normal(attribute)) continue;
+    if (!is_surface_normal(attribute)) continue;
     const auto put = [&](Index element, const Eigen::RowVector3d& normal) {
       std::copy_n(normal.data(), 3, attribute.values.begin() + 3 * std::ptrdiff_t{element});
     };

@@ -9,6 +9,7 @@
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "linalg/sparse.h"
 #include "merge/facts.h"
 #include "operators/laplacian.h"
 #include "reduce_folds.h"
@@ -176,12 +177,12 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
     throw Error(facts::merge::SeamVertexNotFinite{.vertex = band.patch.vertex[v]},
                 "vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh");
   }
-  if (band.unknowns > 0 && options.smoothing_steps > 0) {
+  if (band.unknowns > 0 && options.fairings > 0) {
     // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it moves vertices
     // far.
     const NearStrips near(band);
     relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);
-    for (int step = 0; step < options.smoothing_steps; ++step) {
+    for (int step = 0; step < options.fairings; ++step) {
       reduce_folds(points, band.patch, options.sharp_angle_deg, near.all, context);
       fair(points, band, continued_curvature(band, Shape(band, points, context).curvature), context);
       relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);

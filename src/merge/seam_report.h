@@ -6,7 +6,7 @@
 
 namespace meshgraft {
 
-/// Measures a finished seam. `unfaired`: the mesh's positions before its band was smoothed. Leaves the
+/// Measures a finished seam. `unfaired`: the mesh's positions before its band was faired. Leaves the
 /// fields about the inputs unset.
 SeamReport measure_seam(const Mesh& mesh, const SeamLayout& layout, const Points& unfaired);
 

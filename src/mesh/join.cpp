@@ -26,7 +26,7 @@ std::size_t element_count(const Mesh& mesh, Domain domain) {
   return mesh.faces.corner_count();
 }
 
-bool is_usable(const Mesh& mesh, const Attribute& attribute) {
+bool has_all_values(const Mesh& mesh, const Attribute& attribute) {
   return attribute.components > 0 &&
          attribute.values.size() == element_count(mesh, attribute.domain) * attribute.components;
 }
@@ -53,7 +53,7 @@ Attribute per_corner(const Mesh& mesh, const Attribute& attribute) {
 std::vector<Attribute> attributes_like(const Mesh& mesh, const Mesh& other) {
   std::vector<Attribute> result;
   for (const Attribute& attribute : mesh.attributes) {
-    if (!is_usable(mesh, attribute)) continue;
+    if (!has_all_values(mesh, attribute)) continue;
     const bool promoted = attribute.domain == Domain::vertex && attribute.name != "colour" &&
                           other.find_attribute(Domain::corner, attribute.name) &&
                           !mesh.find_attribute(Domain::corner, attribute.name);

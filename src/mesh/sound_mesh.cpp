@@ -15,7 +15,7 @@ bool is_refused(const Diagnostics& diagnostics) {
                              [](const Finding& finding) { return finding.severity == Severity::refused; });
 }
 
-bool is_usable(const Mesh& mesh, Index face) {
+bool has_usable_corners(const Mesh& mesh, Index face) {
   return in_range(mesh, face) &&
          std::ranges::all_of(mesh.faces[face], [&](Index v) { return mesh.positions.row(v).allFinite(); });
 }
@@ -28,7 +28,7 @@ SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std
   TracedFaces kept;
   std::vector<EdgePoint> corners;
   for (Index f = 0; f < mesh.face_count(); ++f) {
-    if (!is_usable(mesh, f)) {
+    if (!has_usable_corners(mesh, f)) {
       faces_.push_back(f);
       continue;
     }

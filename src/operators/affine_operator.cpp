@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "laplacian.h"
+#include "linalg/sparse.h"
 #include "local_maps.h"
 #include "smoothness_pairs.h"
 
@@ -53,12 +54,15 @@ bool AffineOperator::is_scaled_by_density(double length_ratio) {
 }
 
 AffineOperator::AffineOperator(const Points& points, const Triangles& triangles, const OperatorOptions& options,
-                               const ConstraintMask& given_mask, const Context& context,
-                               std::span<const Index> numbers) {
+                               const Context& context)
+    : AffineOperator(OperatorMesh{points, triangles}, ConstraintMask(static_cast<Index>(points.rows()), false),
+                     options, context) {}
+
+AffineOperator::AffineOperator(const OperatorMesh& mesh, const ConstraintMask& mask,
+                               const OperatorOptions& options, const Context& context) {
   validate(options);
+  const auto& [points, triangles, numbers] = mesh;
   const auto n = static_cast<Index>(points.rows());
-  const ConstraintMask unconstrained(given_mask.size() == 0 ? n : 0, false);
-  const ConstraintMask& mask = given_mask.size() == 0 ? unconstrained : given_mask;
 
   const IndexLists faces_at = vertex_triangles(n, triangles, context);
   rings_ = vertex_rings(triangles, faces_at, context);

@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "laplacian.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 

@@ -1,21 +1,8 @@
 #include <meshgraft/operators/affine_operator.h>
 
-#include <cmath>
-
-#include <meshgraft/core/error.h>
-
-#include "core/facts.h"
+#include "core/require_between.h"
 
 namespace meshgraft {
-
-namespace {
-
-void require_between(double value, double low, double high, const char* field) {
-  if (!(value >= low && value <= high))
-    throw Error(facts::core::OutOfRange{.value = value, .low = low, .high = high}, field);
-}
-
-}  // namespace
 
 void validate(const OperatorOptions& options) {
   require_between(options.apex_height_rel, 1e-3, 1e3, "apex_height_rel");

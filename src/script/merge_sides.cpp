@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <ranges>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,41 @@
 #include "script/facts.h"
 
 namespace meshgraft {
+
+MergeSide::MergeSide(std::string name_, const EditFile& edit, const MeshState& state_)
+    : name(std::move(name_)),
+      state(state_),
+      sound(state.mesh, state.diagnostics, state.label),
+      context(state.mesh),
+      selections(edit, context, state.produced) {}
+
+void MergeSide::require_sound(Index vertex, const std::string& location) const {
+  try {
+    sound.require_beyond(std::vector<Index>{vertex});
+  } catch (const Error& error) {
+    throw error.within(location);
+  }
+}
+
+std::vector<Index> MergeSide::reached(const IndexMap& map, const Mesh& result,
+                                      const std::vector<Index>& new_faces) const {
+  Flags at_seam(result.vertex_count(), 0);
+  for (const Index face : new_faces)
+    for (const Index v : result.faces[face]) at_seam[v] = 1;
+  std::vector<Index> vertices;
+  for (Index v = 0; v < state.mesh.vertex_count(); ++v) {
+    const Index now = map.new_index[v];
+    if (state.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+void MergeSide::finish(const IndexMap& map, MergeResult& result, std::vector<Note>& notes) const {
+  if (!sound.any()) return;
+  sound.require_beyond(reached(map, result.mesh, result.new_faces));
+  sound.put_back(map, result.mesh);
+  if (const auto note = sound.note()) notes.push_back(*note);
+}
 
 namespace {
 

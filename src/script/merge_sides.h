@@ -16,48 +16,22 @@ namespace meshgraft {
 struct MergeSide {
   std::string name;  ///< "source" or "target", as in fields and messages
   const MeshState& state;
-  SoundMesh sound;  ///< the mesh to merge; loops and selections are the state's
+  SoundMesh sound;  ///< the mesh to merge; loops and selections are those of the given mesh
   SelectionMesh context;
   SelectionResolver selections;
 
-  MergeSide(std::string name_, const EditFile& edit, const MeshState& state_)
-      : name(std::move(name_)),
-        state(state_),
-        sound(state.mesh, state.diagnostics, state.label),
-        context(state.mesh),
-        selections(edit, context, state.produced) {}
+  MergeSide(std::string name_, const EditFile& edit, const MeshState& state_);
 
   /// Refuses a vertex given by its number if it is not finite or belongs to a defective face.
-  void require_sound(Index vertex, const std::string& location) const {
-    try {
-      sound.require_beyond(std::vector<Index>{vertex});
-    } catch (const Error& error) {
-      throw error.within(location);
-    }
-  }
+  void require_sound(Index vertex, const std::string& location) const;
 
   /// Returns the vertices that the merge removed or that belong to faces of the seam.
   std::vector<Index> reached(const IndexMap& map, const Mesh& result,
-                             const std::vector<Index>& new_faces) const {
-    Flags at_seam(result.vertex_count(), 0);
-    for (const Index face : new_faces)
-      for (const Index v : result.faces[face]) at_seam[v] = 1;
-    std::vector<Index> vertices;
-    for (Index v = 0; v < state.mesh.vertex_count(); ++v) {
-      const Index now = map.new_index[v];
-      if (state.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
-    }
-    return vertices;
-  }
+                             const std::vector<Index>& new_faces) const;
 
   /// Checks after the merge that no excluded element lies where the result is new. Then puts the excluded
   /// elements back.
-  void finish(const IndexMap& map, MergeResult& result, std::vector<Note>& notes) const {
-    if (!sound.any()) return;
-    sound.require_beyond(reached(map, result.mesh, result.new_faces));
-    sound.put_back(map, result.mesh);
-    if (const auto note = sound.note()) notes.push_back(*note);
-  }
+  void finish(const IndexMap& map, MergeResult& result, std::vector<Note>& notes) const;
 };
 
 /// Returns the pairs of loops with their matches. Throws Error(input) naming the field of the step.

@@ -12,6 +12,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "candidates.h"
 #include "core/facts.h"
 #include "mesh/box_diagonal.h"
 #include "mesh/shortest_distances.h"
@@ -58,14 +59,6 @@ std::vector<Index> vertices_where(Index vertex_count, const Predicate& predicate
     if (predicate(v)) vertices.push_back(v);
   }
   return vertices;
-}
-
-// Returns the vertices with finite positions that belong to a face.
-std::vector<Index> candidates_of(const SelectionMesh& context) {
-  std::vector<Index> candidates;
-  for (Index v = 0; v < context.mesh.vertex_count(); ++v)
-    if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
-  return candidates;
 }
 
 // Finds shortest edge paths that avoid blocked vertices.
@@ -350,8 +343,7 @@ class Resolver {
 
 }  // namespace
 
-SelectionMesh::SelectionMesh(const Mesh& the_mesh, Weld the_weld)
-    : mesh(the_mesh), weld(std::move(the_weld)) {
+SelectionMesh::SelectionMesh(const Mesh& the_mesh, Weld the_weld) : mesh(the_mesh), weld(std::move(the_weld)) {
   auto [the_rings, the_components, the_loops] = connectivity(the_mesh);
   rings = std::move(the_rings);
   components = std::move(the_components);

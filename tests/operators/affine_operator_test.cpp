@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "linalg/sparse.h"
 #include "operators/laplacian.h"
 #include "operators/smoothness_pairs.h"
 #include "support/mesh_families.h"
@@ -129,9 +130,9 @@ TEST(Rows, AreTheSameBytesOnOneThreadAndTwo) {
   const auto mesh = test::irregular_grid(40, 40);
   for (const auto& options : all_options()) {
     const SparseRows one =
-        AffineOperator(mesh.positions, mesh.triangles, options, {}, {.threads = 1}).A({.threads = 1});
+        AffineOperator(mesh.positions, mesh.triangles, options, {.threads = 1}).A({.threads = 1});
     const SparseRows two =
-        AffineOperator(mesh.positions, mesh.triangles, options, {}, {.threads = 2}).A({.threads = 2});
+        AffineOperator(mesh.positions, mesh.triangles, options, {.threads = 2}).A({.threads = 2});
     ASSERT_EQ(one.nonZeros(), two.nonZeros());
     EXPECT_EQ(std::memcmp(one.valuePtr(), two.valuePtr(), sizeof(double) * one.nonZeros()), 0)
         << name_of(options);

@@ -58,7 +58,7 @@ struct ConstraintMask {
   std::vector<Index> feature;  ///< index of the vertex's feature, or -1
   Flags anchored;              ///< 1 where a soft row draws the vertex to a target
 
-  /// Makes a mask of no vertices, which an `AffineOperator` takes for a mesh without constraints.
+  /// Makes a mask of no vertices.
   ConstraintMask() = default;
   /// Makes a mask of `count` vertices without features and anchors. All their positions and transforms are
   /// known, or none.
@@ -87,6 +87,15 @@ struct ConstraintMask {
   }
 };
 
+/// A mesh or a patch of one, whose rows an `AffineOperator` holds.
+struct OperatorMesh {
+  const Points& points;        ///< n×3
+  const Triangles& triangles;  ///< m×3
+  /// For a patch: its vertices' indices in the mesh (n), from which the sides of `ft05_noise` are drawn.
+  /// Empty stands for 0 … n−1.
+  std::span<const Index> numbers{};
+};
+
 /// The nodes that local maps are fitted to: the mesh's vertices, then one apex for each vertex that has one.
 struct StencilNodes {
   /// Rest positions, (n + apexes)×3; under `ft05_noise` flat vertices are moved off their plane.
@@ -112,13 +121,14 @@ struct StencilNodes {
 /// the mean of all ℓ_i. See docs/method.md.
 class AffineOperator {
  public:
-  /// `points` is n×3, `triangles` m×3. `mask` has n vertices, or none for a mesh without constraints. Maps that
-  /// it tells as known are not fitted; rows and pairs without an unknown are left out. If the mesh is a patch
-  /// of a larger one, `numbers` (n) are its vertices' indices there, from which the sides of `ft05_noise` are
-  /// drawn. Otherwise it may be empty. Throws Error(input) for options out of range.
+  /// Makes the rows of a mesh without constraints. `points` is n×3, `triangles` m×3. Throws Error(input) for
+  /// options out of range.
   AffineOperator(const Points& points, const Triangles& triangles, const OperatorOptions& options = {},
-                 const ConstraintMask& mask = {}, const Context& context = {},
-                 std::span<const Index> numbers = {});
+                 const Context& context = {});
+  /// Makes the rows of a mesh with constraints; `mask` has n vertices. Maps that it tells as known are not
+  /// fitted; rows and pairs without an unknown are left out. Throws Error(input) for options out of range.
+  AffineOperator(const OperatorMesh& mesh, const ConstraintMask& mask, const OperatorOptions& options = {},
+                 const Context& context = {});
 
   const StencilNodes& nodes() const { return nodes_; }
   const SparseRows& L() const { return L_; }          ///< rows of E_L × nodes

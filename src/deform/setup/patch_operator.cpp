@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "linalg/sparse.h"
 #include "operators/laplacian.h"
 
 namespace meshgraft {
@@ -82,7 +83,7 @@ PatchOperator::PatchOperator(const CutPatch& cut, const ConstraintMask& mask, co
                              const Context& context)
     : options_(options),
       mask_(mask),
-      rows_(cut.patch.points, cut.patch.triangles, options, mask, context, cut.patch.vertices),
+      rows_(OperatorMesh{cut.patch.points, cut.patch.triangles, cut.patch.vertices}, mask, options, context),
       P_transposed_(transpose(rows_.P(), context)) {}
 
 bool PatchOperator::serves(const ConstraintMask& mask) const {

@@ -1,34 +1,18 @@
 #include "region_mask.h"
 
 #include <cmath>
+#include <cstdint>
+#include <string>
 
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/topology.h>
 
+#include "checks.h"
 #include "core/facts.h"
 #include "deform/facts.h"
-#include "solvability.h"
 
 namespace meshgraft {
-
-void require_vertex(Index vertex, Index count, const std::string& location) {
-  if (vertex < 0 || vertex >= count)
-    throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = count}, location);
-}
-
-void require_between(double value, double low, double high, const char* location) {
-  if (!(value >= low && value <= high))
-    throw Error(facts::core::OutOfRange{.value = value, .low = low, .high = high}, location);
-}
-
-void require_triangles(const Points& rest, const Triangles& triangles) {
-  const auto n = static_cast<Index>(rest.rows());
-  for (Index t = 0; t < triangles.rows(); ++t)
-    for (const Index v : triangles.row(t))
-      if (v < 0 || v >= n) require_vertex(v, n, fmt::format("triangle {}", t));
-}
 
 ConstraintMask mask_of_region(Index count, const Region& region) {
   ConstraintMask mask(count, !region.whole);
@@ -158,40 +142,6 @@ void ConstraintList::require_matching(std::span<const VertexConstraint> constrai
       throw Error(facts::deform::ConstraintDiffers{.constraint = c});
     validate(constraint);
   }
-}
-
-void validate(const DeformerOptions& options) {
-  require_between(options.stiffness, 0, 1e6, "stiffness");
-  require_between(options.iterations, 0, 1000, "iterations");
-  require_between(options.smoothing_length_rel, 0, 10, "smoothing_length_rel");
-}
-
-void validate(const VertexConstraint& constraint) {
-  if (constraint.rotation &&
-      !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
-    throw Error(facts::core::NotFinite{.what = facts::core::Quantity::rotation},
-                fmt::format("the constraint of vertex {}", constraint.vertex));
-  const auto require = [&](const auto& matrix, facts::deform::Quantity what) {
-    constexpr double largest = 1e100;  // so that squares and volumes stay finite
-    if (matrix && !(matrix->array().abs() < largest).all())
-      throw Error(facts::deform::TooLargeOrNotFinite{.what = what},
-                  fmt::format("the constraint of vertex {}", constraint.vertex));
-  };
-  require(constraint.position, facts::deform::Quantity::position);
-  require(constraint.transform, facts::deform::Quantity::transform);
-}
-
-void require_solvable(const Points& rest, const Triangles& triangles, const ConstraintMask& mask,
-                      const Context& context) {
-  const auto n = static_cast<Index>(rest.rows());
-  const IndexLists faces_at = vertex_triangles(n, triangles, context);
-  Flags unknown(n, 0);
-  for (Index v = 0; v < n; ++v) unknown[v] = !faces_at[v].empty() && mask.is_unknown(v);
-  const Patch patch = make_patch(rest, triangles, faces_at, unknown, 1, context);
-  ConstraintMask patch_mask = mask.of(patch.vertices);
-  const IndexLists rings = vertex_rings(patch.size(), patch.triangles, context);
-  fix_unconstrained_components(rings, patch_mask);
-  require_solvable(patch, rings, patch_mask);
 }
 
 }  // namespace meshgraft

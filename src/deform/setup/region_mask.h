@@ -1,23 +1,13 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/operators/affine_operator.h>
 
 namespace meshgraft {
-
-/// Throws Error(input) with the id core.no_such_vertex at `location` unless 0 ≤ vertex < count.
-void require_vertex(Index vertex, Index count, const std::string& location);
-
-/// Throws Error(input) with the id core.out_of_range at `location` unless low ≤ value ≤ high.
-void require_between(double value, double low, double high, const char* location);
-
-/// Throws Error(input) if a corner of a triangle is not a row of `rest`.
-void require_triangles(const Points& rest, const Triangles& triangles);
 
 /// Returns the mask of a region without its handles, features and anchors. What lies outside the region or is
 /// fixed is known, all other vertices are unknown. Throws Error(input) for a vertex that does not exist.
@@ -39,15 +29,5 @@ struct ConstraintList {
 /// in the constraints. Throws Error(usage) if there are both handles and constraints.
 ConstraintMask make_mask(Index count, const Region& region, std::span<const VertexConstraint> constraints,
                          ConstraintList& constrained);
-
-/// Throws Error(input), naming the field, if an option of the method is out of range.
-void validate(const DeformerOptions& options);
-/// Throws Error(input) if a value of the constraint is not finite, or so large that squares overflow.
-void validate(const VertexConstraint& constraint);
-
-/// Performs the check that `Deformer` makes before assembly. Throws Error(unsolvable) if the constraints do
-/// not determine a connected free component.
-void require_solvable(const Points& rest, const Triangles& triangles, const ConstraintMask& mask,
-                      const Context& context);
 
 }  // namespace meshgraft

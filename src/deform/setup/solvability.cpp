@@ -105,4 +105,17 @@ void require_solvable(const Patch& patch, const IndexLists& rings, const Constra
   }
 }
 
+void require_solvable(const Points& rest, const Triangles& triangles, const ConstraintMask& mask,
+                      const Context& context) {
+  const auto n = static_cast<Index>(rest.rows());
+  const IndexLists faces_at = vertex_triangles(n, triangles, context);
+  Flags unknown(n, 0);
+  for (Index v = 0; v < n; ++v) unknown[v] = !faces_at[v].empty() && mask.is_unknown(v);
+  const Patch patch = make_patch(rest, triangles, faces_at, unknown, 1, context);
+  ConstraintMask patch_mask = mask.of(patch.vertices);
+  const IndexLists rings = vertex_rings(patch.size(), patch.triangles, context);
+  fix_unconstrained_components(rings, patch_mask);
+  require_solvable(patch, rings, patch_mask);
+}
+
 }  // namespace meshgraft

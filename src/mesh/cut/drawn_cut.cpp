@@ -236,10 +236,10 @@ class Separation {
 
   void keep_normals() {
     auto& attributes = result_.mesh.attributes;
-    const auto is_normal = [](const Attribute& attribute) {
+    const auto is_cut_normal = [](const Attribute& attribute) {
       return attribute.domain == Domain::vertex && attribute.name == cut_normal_name;
     };
-    auto kept = std::find_if(attributes.begin(), attributes.end(), is_normal);
+    auto kept = std::find_if(attributes.begin(), attributes.end(), is_cut_normal);
     if (kept == attributes.end()) kept = attributes.insert(kept, {.name = cut_normal_name});
     if (kept->components != 3) {
       *kept = {.name = cut_normal_name,

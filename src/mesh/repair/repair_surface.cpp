@@ -222,7 +222,7 @@ std::vector<EdgePoint> vertices_of(const std::vector<EdgePoint>& corners, const 
   return vertices;
 }
 
-bool is_normal(const Attribute& attribute) {
+bool is_normal_or_cut_normal(const Attribute& attribute) {
   return (attribute.name == "normal" || attribute.name == cut_normal_name) && attribute.components == 3;
 }
 
@@ -286,7 +286,7 @@ void RepairSurface::carry_attributes(std::span<const Index> new_index, RepairRes
                                            : attribute.domain == Domain::face ? face_value
                                                                               : traced_.corner));
     }
-    if (turned && is_normal(attribute)) turn_normals(result.mesh.attributes.back(), result);
+    if (turned && is_normal_or_cut_normal(attribute)) turn_normals(result.mesh.attributes.back(), result);
   }
   interpolate_in_fills(result.mesh, traced_.is_new, context_);
 }

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include <meshgraft/deform/deform_problem.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// Throws Error(input) with the id core.no_such_vertex at `location` unless 0 ≤ vertex < count.
+void require_vertex(Index vertex, Index count, const std::string& location);
+
+/// Throws Error(input) if a corner of a triangle is not a row of `rest`.
+void require_triangles(const Points& rest, const Triangles& triangles);
+
+/// Throws Error(input), naming the field, if an option of the method is out of range.
+void validate(const DeformerOptions& options);
+/// Throws Error(input) if a value of the constraint is not finite, or so large that squares overflow.
+void validate(const VertexConstraint& constraint);
+
+}  // namespace meshgraft
