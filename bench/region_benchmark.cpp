@@ -34,9 +34,9 @@ SetUp time_set_up(const Make& make) {
   SetUp set_up;
   double analysed_from = 0;
   Context context;
-  context.progress = [&](std::string_view stage, double) {
-    if (stage == "assemble") set_up.prepare = since_start();
-    if (stage == "analyse" && analysed_from == 0) analysed_from = since_start();
+  context.progress = [&](const Progress& progress) {
+    if (progress.stage == "assemble") set_up.prepare = since_start();
+    if (progress.stage == "analyse" && analysed_from == 0) analysed_from = since_start();
   };
   const Deformer deformer = make(context);
   set_up.normal = analysed_from - set_up.prepare;

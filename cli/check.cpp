@@ -14,6 +14,7 @@
 #include <meshgraft/script/report.h>
 
 #include "commands.h"
+#include "exit_status.h"
 #include "findings.h"
 #include "wording.h"
 
@@ -71,7 +72,7 @@ std::string uses_text(const Uses& uses) {
                                  : "deform: no, there are no faces";
   const std::string merge =
       !uses.deform && !uses.deform_beyond ? "merge: no"
-      : uses.all_loops == 0               ? "merge: cut it open first, or drop a part on it with --at"
+      : uses.all_loops == 0               ? "merge: cut it open first, or drop a source on it with --at"
       : uses.loops.empty()                ? "merge: no loop is sound"
       : uses.loops.size() == uses.all_loops
           ? fmt::format("merge: along {}", uses.all_loops == 1 ? "its loop" : "all its loops")
@@ -96,7 +97,7 @@ void run_check(const CheckArguments& arguments, const Context& context) {
                        {"mesh", arguments.mesh.string()},
                        {"clean", clean},
                        {"counts", {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}}},
-                       {"findings", Json::parse(write_diagnostics(report, words_of))},
+                       {"findings", Json::parse(write_diagnostics(report, text_of))},
                        {"deform", uses.deform          ? "everywhere"
                                   : uses.deform_beyond ? "partly"
                                                        : "no"},

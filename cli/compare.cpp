@@ -19,6 +19,7 @@
 #include "script/compare.h"
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
+#include "io/file.h"
 #include "picture.h"
 #endif
 
@@ -132,7 +133,7 @@ Pictures draw(const Comparison& comparison, const View& view, const Context& con
 #endif
 
 // Composes the Markdown text: the table, and links to the meshes and pictures in the folder.
-std::string text_of(const Comparison& comparison, const ComparisonFiles& files) {
+std::string comparison_text(const Comparison& comparison, const ComparisonFiles& files) {
   std::string text = fmt::format("# {} by several methods\n\n", comparison.edit);
   const EditReport* any = nullptr;
   for (const MethodOutcome& outcome : comparison.outcomes)
@@ -144,7 +145,7 @@ std::string text_of(const Comparison& comparison, const ComparisonFiles& files) 
 #ifdef MESHGRAFT_HAS_RENDER
   text += fmt::format("![At rest, and by each method]({})\n\n", files.sheet().filename().string());
 #endif
-  text += comparison_table(comparison, words_of);
+  text += comparison_table(comparison, text_of);
   for (const MethodOutcome& outcome : comparison.outcomes) {
     if (!outcome.result) continue;
     const std::string mesh = files.mesh(outcome.method).filename().string();
@@ -181,8 +182,8 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
 #endif
   }
   write_file_atomically(files.json(),
-                        write_comparison(comparison, words_of));  // first: it marks the folder as ours
-  write_file_atomically(files.text(), text_of(comparison, files));
+                        write_comparison(comparison, text_of));  // first: it marks the folder as ours
+  write_file_atomically(files.text(), comparison_text(comparison, files));
 #ifdef MESHGRAFT_HAS_RENDER
   render::write_png(pictures.sheet, files.sheet());
   auto picture = pictures.of_methods.begin();
@@ -207,10 +208,10 @@ void run_compare(const CompareArguments& arguments, Context context) {
   Comparison comparison = compare_methods(edit, methods, context);
   if (!arguments.folder.empty()) write_folder(comparison, files, arguments, context);
   if (arguments.json) {
-    fmt::print("{}", write_comparison(comparison, words_of));
+    fmt::print("{}", write_comparison(comparison, text_of));
     return;
   }
-  fmt::print("{}", comparison_table(comparison, words_of));
+  fmt::print("{}", comparison_table(comparison, text_of));
   if (!arguments.folder.empty()) fmt::print("\nwrote {}\n", files.text().string());
 }
 

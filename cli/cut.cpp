@@ -22,9 +22,11 @@
 #include "mesh/sound_mesh.h"
 #include "outputs.h"
 #include "script/fact_json.h"
+#include "script/vector_json.h"
 #include "values.h"
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
+#include "io/file.h"
 #include "picture.h"
 #endif
 
@@ -152,8 +154,7 @@ void add_cut_asked_for(const CutAlong& along, Json& json) {
     json["loop"] = along.loop;
     return;
   }
-  const auto vector = [](const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); };
-  json["plane"] = {{"point", vector(along.plane->point)}, {"normal", vector(along.plane->normal)}};
+  json["plane"] = {{"point", vector_json(along.plane->point)}, {"normal", vector_json(along.plane->normal)}};
 }
 
 Json report_json(const CutArguments& arguments, const CutAlong& along, const CutFacts& facts,
@@ -163,7 +164,7 @@ Json report_json(const CutArguments& arguments, const CutAlong& along, const Cut
                {"program", std::string("meshgraft ") + MESHGRAFT_VERSION},
                {"mesh", arguments.mesh.string()},
                {"outputs", written.files},
-               {"notes", to_json(written.notes, words_of)}};
+               {"notes", to_json(written.notes, text_of)}};
   add_cut_asked_for(along, json);
   json["keep"] = keep_name(arguments.keep.value_or(CutKeep::both));
   json["snap"] = arguments.snap;

@@ -18,6 +18,7 @@
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
+#include "io/file.h"
 #endif
 
 namespace meshgraft::cli {
@@ -107,7 +108,7 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
 #endif
   if (!arguments.report.empty()) {
     report.outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, write_report(report, words_of));
+    write_file_atomically(arguments.report, write_report(report, text_of));
   }
 }
 
@@ -195,7 +196,7 @@ void run_edit_file(const EditRunArguments& arguments, Context context) {
   notes.insert(notes.begin(), arguments.notes.begin(), arguments.notes.end());
   write_outputs(arguments, saves, edit, result, context);
   if (arguments.json)
-    fmt::print("{}", write_report(result.report, words_of));
+    fmt::print("{}", write_report(result.report, text_of));
   else
     print_summary(result.report, result.rest);
 }

@@ -48,7 +48,6 @@ MeshFacts gather(const std::filesystem::path& path, const Context& context) {
   MeshFacts facts;
   context.step("read");
   facts.mesh = read_mesh(path, context);
-  context.step("look");
   facts.diagnostics = check_mesh(facts.mesh, context);
   facts.topology = summarise_topology(facts.mesh);
   facts.loops = boundary_loops(facts.mesh);
@@ -198,7 +197,7 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
       has_box(facts) ? Json{{"min", point_json(facts.low)}, {"max", point_json(facts.high)}} : Json(nullptr);
   json["unit"] = unit_of(facts.mesh).empty() ? Json(nullptr) : Json(unit_of(facts.mesh));
   json["attributes"] = attributes;
-  json["findings"] = Json::parse(write_diagnostics(facts.diagnostics, words_of));
+  json["findings"] = Json::parse(write_diagnostics(facts.diagnostics, text_of));
   return json;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/platform/process.h"
 #include "core/platform/terminal.h"
+#include "exit_status.h"
 
 namespace meshgraft::cli {
 

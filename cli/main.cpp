@@ -2,7 +2,6 @@
 #include <exception>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include "cli/facts.h"
 #include "command_tree.h"
 #include "commands.h"
+#include "exit_status.h"
 #include "interrupt.h"
 #include "progress_bar.h"
 #include "wording.h"
@@ -78,7 +78,7 @@ void run(const cli::Action& action) {
   cli::ProgressBar progress;
   Context context;
   context.stop_token = interrupt.token();
-  context.progress = [&](std::string_view stage, double fraction) { progress.update(stage, fraction); };
+  context.progress = [&](const Progress& report) { progress.update(report); };
   action(context);
 }
 
@@ -107,9 +107,7 @@ Error error_of_program() {
     return current_error();
   } catch (const std::system_error& error) {  // standard output, or a thread
     return Error(facts::cli::SystemCall{.reason = error.what()});
-  } catch (const std::exception& error) {
-    if (std::string_view(error.what()).starts_with("pthread_create"))  // thrown by oneTBB
-      return Error(facts::cli::NoThreads{});
+  } catch (const std::exception&) {
     return current_error();
   }
 }
@@ -124,6 +122,6 @@ int main(int argc, char** argv) {
   } catch (const std::exception&) {
     const Error error = error_of_program();
     fmt::print(stderr, "meshgraft: error: {}\n", cli::sentence(error));
-    return exit_status(error.code());
+    return cli::exit_status(error.code());
   }
 }

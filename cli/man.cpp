@@ -7,6 +7,7 @@
 
 #include "command_tree.h"
 #include "commands.h"
+#include "exit_status.h"
 
 namespace meshgraft::cli {
 

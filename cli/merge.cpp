@@ -27,6 +27,7 @@
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "edit_picture.h"
+#include "io/file.h"
 #include "picture.h"
 #endif
 
@@ -91,7 +92,7 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
   throw Error(facts::cli::NotAVertex{.text = text}, option);
 }
 
-// Returns the vertex or point to drop the part on, and the source loop to use.
+// Returns the vertex or point to drop the source on, and the source loop to use.
 DropSpec drop_from(const std::string& text, double spin_deg, std::optional<Index> source_loop) {
   std::optional<EditSelection> loop;
   if (source_loop) loop = EditSelection{Selection::Loop{*source_loop}};
@@ -289,7 +290,7 @@ void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditRe
   }
   if (!arguments.report.empty()) {
     report.outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, write_report(report, words_of));
+    write_file_atomically(arguments.report, write_report(report, text_of));
   }
 }
 
@@ -307,7 +308,7 @@ void run_merge(const MergeArguments& arguments, Context context) {
   }
   write_outputs(arguments, edit, result, context);
   if (arguments.json)
-    fmt::print("{}", write_report(result.report, words_of));
+    fmt::print("{}", write_report(result.report, text_of));
   else
     print_summary(result.report, result.rest);
 }
@@ -329,14 +330,14 @@ void add_loop_options(CLI::App& command, MergeArguments& arguments) {
   plain(command.add_flag("--smooth-boundary", arguments.smooth_boundary, "Smooth ragged loops first"));
 }
 
-void add_part_options(CLI::App& command, MergeArguments& arguments) {
+void add_source_options(CLI::App& command, MergeArguments& arguments) {
   const auto plain = [&](CLI::Option* option) {
     arguments.plain_options.push_back(option);
     return option;
   };
   plain(add_choice<MergePose>(command, "--pose", arguments.pose,
                               {{"find", MergePose::find}, {"keep", MergePose::keep}},
-                              "Whether the part's place, turn and size are found (default) or kept"));
+                              "Whether the source's position, rotation and scale are found (default) or kept"));
   plain(
       command
           .add_option("--fix", arguments.fix,
@@ -345,12 +346,12 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
           ->type_name("SELECTION"));
   plain(command
             .add_option("--reach", arguments.reach,
-                        "Influence radius, how far from its loops the part may deform: 5rings, or a length")
+                        "Influence radius, how far from its loops the source may deform: 5rings, or a length")
             ->type_name("N"
                         "rings|LENGTH"));
   plain(command.add_option("--mirror", arguments.mirror, "Mirror the source first: x=0, or px,py,pz,nx,ny,nz")
             ->type_name("PLANE"));
-  plain(command.add_option("--size", arguments.size, "Scale of the part, where it is not to be found")
+  plain(command.add_option("--size", arguments.size, "Scale of the source, instead of finding it")
             ->type_name("S")
             ->check(positive_number()));
   plain(command
@@ -358,16 +359,17 @@ void add_part_options(CLI::App& command, MergeArguments& arguments) {
                         "Turn the target's normals about the tangents of its loops")
             ->type_name("DEG")
             ->check(number_from(-180, 180)));
-  plain(
-      command.add_option("--at", arguments.at, "Drop the part on a surface without a hole: a vertex, or x,y,z")
-          ->type_name("PLACE"));
-  plain(command.add_option("--spin", arguments.spin_deg, "With --at: turn the part about the normal")
+  plain(command
+            .add_option("--at", arguments.at, "Drop the source on a surface without a hole: a vertex, or x,y,z")
+            ->type_name("PLACE"));
+  plain(command.add_option("--spin", arguments.spin_deg, "With --at: turn the source about the normal")
             ->type_name("DEG")
             ->check(finite_number()));
-  plain(command
-            .add_option("--source-loop", arguments.source_loop, "With --at: the loop of the part that meets it")
-            ->type_name("LOOP")
-            ->check(whole_number_from(0, std::numeric_limits<Index>::max())));
+  plain(
+      command
+          .add_option("--source-loop", arguments.source_loop, "With --at: the loop of the source that meets it")
+          ->type_name("LOOP")
+          ->check(whole_number_from(0, std::numeric_limits<Index>::max())));
 }
 
 void add_seam_options(CLI::App& command, MergeArguments& arguments) {
@@ -375,10 +377,9 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
     arguments.plain_options.push_back(option);
     return option;
   };
-  plain(
-      command.add_option("--band", arguments.band, "Rings of the target that smoothing may move; 0 moves none")
-          ->type_name("N")
-          ->check(whole_number_from(0, 100)));
+  plain(command.add_option("--band", arguments.band, "Rings of the target that fairing may move; 0 moves none")
+            ->type_name("N")
+            ->check(whole_number_from(0, 100)));
   plain(add_choice<StripMethod>(command, "--strip", arguments.strip,
                                 {{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}},
                                 "How the gap between loops is filled"));
@@ -389,7 +390,7 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
 void add_common_options(CLI::App& command, MergeArguments& arguments) {
   add_choice<MergeShape>(command, "--shape", arguments.run.overrides.shape,
                          {{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}},
-                         "What becomes of the part: it keeps its shape beyond the reach, or as in the paper");
+                         "How the source deforms: only within the reach (similar), or as in the paper (ft05)");
   command.add_flag("--strict", arguments.run.strict, "Fail where the result intersects itself");
   command.add_option("--report", arguments.report, "Write what was done, with index maps, as JSON")
       ->type_name("FILE");
@@ -405,16 +406,18 @@ void add_common_options(CLI::App& command, MergeArguments& arguments) {
 
 void add_merge(CLI::App& program, Action& action) {
   const auto arguments = std::make_shared<MergeArguments>();
-  CLI::App* command = program.add_subcommand("merge", "Graft a part onto another mesh along boundary loops");
+  CLI::App* command =
+      program.add_subcommand("merge", "Graft a source mesh onto a target mesh along boundary loops");
   command->add_option("target", arguments->target, "The mesh that stays, or an edit file")
       ->required()
       ->type_name("TARGET");
-  command->add_option("source", arguments->source, "The part; none after an edit file")->type_name("SOURCE");
+  command->add_option("source", arguments->source, "The mesh to graft; none after an edit file")
+      ->type_name("SOURCE");
   command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
       ->required()
       ->type_name("FILE");
   add_loop_options(*command, *arguments);
-  add_part_options(*command, *arguments);
+  add_source_options(*command, *arguments);
   add_seam_options(*command, *arguments);
   add_common_options(*command, *arguments);
   command->footer(

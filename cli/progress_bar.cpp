@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/platform/terminal.h"
+#include "progress_text.h"
 
 namespace meshgraft::cli {
 
@@ -31,10 +34,11 @@ ProgressBar::~ProgressBar() {
   if (drawn_) fmt::print(stderr, "{}", erase_line);
 }
 
-void ProgressBar::update(std::string_view stage, double fraction) {
+void ProgressBar::update(const Progress& progress) {
+  std::string text = progress_text(progress);
   const std::lock_guard lock(mutex_);
-  stage_ = stage;
-  fraction_ = fraction;
+  text_ = std::move(text);
+  fraction_ = progress.fraction;
 }
 
 void ProgressBar::run() {
@@ -49,11 +53,11 @@ void ProgressBar::run() {
 void ProgressBar::draw() {
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
   if (fraction_ < 0) {
-    fmt::print(stderr, "{}{}  {:.1f} s", erase_line, stage_, seconds);
+    fmt::print(stderr, "{}{}  {:.1f} s", erase_line, text_, seconds);
   } else {
     const double done = std::clamp(fraction_, 0.0, 1.0);
     const int filled = static_cast<int>(done * bar_width);
-    fmt::print(stderr, "{}{:<10} [{:#<{}}{:.<{}}] {:3.0f} %  {:.1f} s", erase_line, stage_, "", filled, "",
+    fmt::print(stderr, "{}{:<10} [{:#<{}}{:.<{}}] {:3.0f} %  {:.1f} s", erase_line, text_, "", filled, "",
                bar_width - filled, 100 * done, seconds);
   }
   std::fflush(stderr);

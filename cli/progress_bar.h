@@ -4,8 +4,9 @@
 #include <condition_variable>
 #include <mutex>
 #include <string>
-#include <string_view>
 #include <thread>
+
+#include <meshgraft/core/context.h>
 
 namespace meshgraft::cli {
 
@@ -18,8 +19,8 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Sets the stage and the fraction of it that is done. A negative fraction means that it is unknown.
-  void update(std::string_view stage, double fraction);
+  /// Sets what is shown.
+  void update(const Progress& progress);
 
  private:
   void run();
@@ -29,7 +30,7 @@ class ProgressBar {
   const Clock::time_point start_ = Clock::now();
   std::mutex mutex_;
   std::condition_variable end_;
-  std::string stage_;
+  std::string text_;
   double fraction_ = -1;
   bool finished_ = false;
   bool drawn_ = false;

@@ -23,6 +23,7 @@
 #include "script/fact_json.h"
 #include "wording.h"
 #ifdef MESHGRAFT_HAS_RENDER
+#include "io/file.h"
 #include "picture.h"
 #endif
 
@@ -76,7 +77,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                        {"count", change.count},
                        {"domain", domain_name(change.domain)},
                        {"indices", change.indices},
-                       {"description", words_of(change.note).text}});
+                       {"description", text_of(change.note).statement}});
   std::vector<Note> notes = result.notes;
   notes.insert(notes.end(), written.notes.begin(), written.notes.end());
   Json json = {{"format", "meshgraft-repair"},
@@ -88,8 +89,8 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                {"before", {{"vertices", given.vertex_count()}, {"faces", given.face_count()}}},
                {"after", {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}}},
                {"changes", changes},
-               {"notes", to_json(notes, words_of)},
-               {"findings", Json::parse(write_diagnostics(left, words_of))}};
+               {"notes", to_json(notes, text_of)},
+               {"findings", Json::parse(write_diagnostics(left, text_of))}};
   if (with_maps)
     json["maps"] = {{"vertices", result.vertex.new_index},
                     {"faces", result.face.new_index},
@@ -189,7 +190,7 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
 
 void add_steps(CLI::App& command, RepairArguments& arguments) {
   command.add_flag("--no-clean", arguments.no_clean, "Keep degenerate, repeated and flat faces");
-  command.add_flag("--keep-shells", arguments.keep_shells, "Keep parts that lie on another one");
+  command.add_flag("--keep-shells", arguments.keep_shells, "Keep components that lie on another one");
   CLI::Option* no_weld = command.add_flag("--no-weld", arguments.no_weld, "Weld no boundary edges");
   command
       .add_option("--weld-distance", arguments.weld_distance,
@@ -199,12 +200,13 @@ void add_steps(CLI::App& command, RepairArguments& arguments) {
       ->check(number_from(0, 1e300))
       ->excludes(no_weld);
   command.add_flag("--no-split", arguments.no_split, "Leave edges of more than two faces and the like");
-  CLI::Option* keep = command.add_flag("--keep-debris", arguments.keep_debris, "Keep small loose parts");
+  CLI::Option* keep = command.add_flag("--keep-debris", arguments.keep_debris, "Keep small loose components");
   command
-      .add_option("--debris-size", arguments.debris_size,
-                  fmt::format("Remove parts with fewer faces and less area than this times the largest one's "
-                              "(default {})",
-                              RepairOptions{}.debris_rel))
+      .add_option(
+          "--debris-size", arguments.debris_size,
+          fmt::format("Remove components with fewer faces and less area than this times the largest one's "
+                      "(default {})",
+                      RepairOptions{}.debris_rel))
       ->type_name("X")
       ->check(number_from(0, 1))
       ->excludes(keep);
@@ -213,7 +215,7 @@ void add_steps(CLI::App& command, RepairArguments& arguments) {
       .add_option(
           "--fill-holes", arguments.hole_edges,
           "Close holes of at most this many edges, 0 for none (default: up to 24, where the hole's area is "
-          "at most 0.5 % of the part's)")
+          "at most 0.5 % of the component's)")
       ->type_name("N")
       ->check(whole_number_from(0, 100000));
   add_choice<HoleFill>(

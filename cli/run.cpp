@@ -20,10 +20,9 @@ void add_run(CLI::App& program, Action& action) {
       ->expected(1)
       ->take_all();
   add_edit_run_options(*command, *arguments);
-  add_choice<MergeShape>(
-      *command, "--shape", arguments->run.overrides.shape,
-      {{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}},
-      "What becomes of a grafted part: it keeps its shape beyond a reach, or as in the paper");
+  add_choice<MergeShape>(*command, "--shape", arguments->run.overrides.shape,
+                         {{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}},
+                         "How sources deform: only within the reach (similar), or as in the paper (ft05)");
   command->add_flag("--strict", arguments->run.strict, "Fail where a merge's result intersects itself");
   command->footer(
       "Without -o and --save nothing is written: it tells what the edit does.\n\n"

@@ -4,13 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "script/percent.h"
 #include "wording.h"
 
 namespace meshgraft::cli {
 
 namespace {
-
-std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
 
 void print_deform(const StepReport& step, const std::string& name) {
   fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
@@ -31,7 +30,7 @@ void print_merge(const StepReport& step, const std::string& name) {
   const MergeReport& report = step.merge->report;
   print_pairs(report, name);
   const ShapeReport& shape = report.shape;
-  fmt::print("  {}the part was scaled by {:.4g} and keeps its shape to {:.2g} % of its size\n", name,
+  fmt::print("  {}the source was scaled by {:.4g} and keeps its shape to {:.2g} % of its size\n", name,
              shape.similarity.scale, 100 * shape.distance_rel);
   const SeamReport& seam = report.seam;
   fmt::print(
@@ -59,13 +58,13 @@ void print_quality(const EditReport& report, const Points& rest) {
   const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   const Quality& quality = report.quality;
   const std::string volume =
-      quality.volume_ratio ? fmt::format(", volume {}", percent(*quality.volume_ratio)) : std::string();
+      quality.volume_ratio ? fmt::format(", volume {}", percent_change(*quality.volume_ratio)) : std::string();
   const std::string intersections =
       quality.new_self_intersections
           ? fmt::format(", {} new self-intersections", *quality.new_self_intersections)
           : std::string();
   fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°, {} flipped faces{}\n",
-             100 * quality.edge_rms, percent(quality.area_ratio), volume, quality.dihedral_p99_deg,
+             100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg,
              quality.flipped_faces, intersections);
   fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
              size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,

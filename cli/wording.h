@@ -8,7 +8,7 @@ namespace meshgraft::cli {
 
 /// Words a fact in the terms of the command line: flags and commands. What cli/texts.json does not word is
 /// worded as by the library.
-Words words_of(const Fact& fact);
+FactText text_of(const Fact& fact);
 
 /// Returns "location: problem. remedy", and after it the error's notes.
 std::string sentence(const Error& error);

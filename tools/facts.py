@@ -5,7 +5,7 @@
     tools/facts.py texts OUT.inc TEXTS TABLE…    a face's own texts of facts
     tools/facts.py list TABLE…                   docs/facts.md, to standard output
 
-A table is a file LAYER/facts.json. It maps the name of a class of facts to its row:
+A table is a file LAYER/facts.json. It maps the name of a type of fact to its row:
 
     {"code": "input", "problem": "vertex {vertex} is …", "remedy": "Name …", "fields": {"vertex": "integer"}}
 

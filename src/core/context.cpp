@@ -8,7 +8,7 @@ namespace meshgraft {
 
 void Context::step(std::string_view stage, double fraction) const {
   throw_if_stopped();
-  if (progress) progress(stage, fraction);
+  if (progress) progress({.stage = stage, .fraction = fraction});
 }
 
 void Context::throw_if_stopped() const {

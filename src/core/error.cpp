@@ -10,19 +10,6 @@
 
 namespace meshgraft {
 
-int exit_status(ErrorCode code) noexcept {
-  switch (code) {
-    case ErrorCode::usage: return 2;
-    case ErrorCode::input: return 3;
-    case ErrorCode::unsolvable: return 4;
-    case ErrorCode::io: return 5;
-    case ErrorCode::memory: return 6;
-    case ErrorCode::cancelled: return 130;
-    case ErrorCode::internal: return 70;
-  }
-  return 70;
-}
-
 std::string_view to_string(ErrorCode code) noexcept {
   switch (code) {
     case ErrorCode::usage: return "usage";
@@ -99,15 +86,15 @@ std::string error_sentence(std::string_view location, std::string_view problem, 
 }
 
 std::string sentence(const Error& error, const Wording& wording) {
-  const Words words = wording(error.fact());
-  std::string text = error_sentence(error.location(), words.text, words.remedy);
-  for (const Note& note : error.notes()) text = error_sentence({}, text, sentence(note, wording));
-  return text;
+  const FactText text = wording(error.fact());
+  std::string whole = error_sentence(error.location(), text.statement, text.remedy);
+  for (const Note& note : error.notes()) whole = error_sentence({}, whole, sentence(note, wording));
+  return whole;
 }
 
 std::string sentence(const Note& note, const Wording& wording) {
-  const Words words = wording(note);
-  return error_sentence({}, words.text, words.remedy);
+  const FactText text = wording(note);
+  return error_sentence({}, text.statement, text.remedy);
 }
 
 Error current_error() {
@@ -120,7 +107,7 @@ Error current_error() {
   } catch (const std::filesystem::filesystem_error& error) {
     return Error(facts::core::FileSystem{.reason = error.code().message()}, error.path1().string());
   } catch (const std::exception& error) {
-    return Error(facts::core::Defect{.what = error.what()});
+    return Error(facts::core::Bug{.what = error.what()});
   }
 }
 

@@ -62,7 +62,7 @@ std::string Fact::text() const { return fill_in(type_->text, *this); }
 
 std::string Fact::remedy() const { return fill_in(type_->remedy, *this); }
 
-Words library_words(const Fact& fact) { return {fact.text(), fact.remedy()}; }
+FactText library_text(const Fact& fact) { return {fact.text(), fact.remedy()}; }
 
 std::string fill_in(std::string_view text, const Fact& fact) {
   fmt::dynamic_format_arg_store<fmt::format_context> values;

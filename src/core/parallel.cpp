@@ -1,11 +1,13 @@
 #include "parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <exception>
 #include <future>
 #include <map>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -14,6 +16,10 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
+
+#include <meshgraft/core/error.h>
+
+#include "core/facts.h"
 
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
@@ -36,18 +42,20 @@ void await(char&) {}
 
 struct ForkJoin {
   char fork = 0, join = 0;
+  std::atomic<bool> body_threw = false;
 };
 
 // Whether the thread runs the body of a loop. A nested loop stays in the same arena.
 thread_local bool in_body = false;
 
-// Orders one body between the fork and the join, also when the body throws.
+// Orders one body between the fork and the join, also when the body throws. It notes whether the body throws.
 class BodyScope {
  public:
   explicit BodyScope(ForkJoin& events) : events_(events), was_in_body_(std::exchange(in_body, true)) {
     await(events_.fork);
   }
   ~BodyScope() {
+    if (std::uncaught_exceptions() > exceptions_before_) events_.body_threw = true;
     signal(events_.join);
     in_body = was_in_body_;
   }
@@ -57,6 +65,7 @@ class BodyScope {
  private:
   ForkJoin& events_;
   bool was_in_body_;
+  int exceptions_before_ = std::uncaught_exceptions();
 };
 
 // Orders the caller around the loop.
@@ -79,15 +88,20 @@ tbb::task_arena& arena_of(int threads) {
   return arenas.try_emplace(threads, threads).first->second;
 }
 
-// Runs `work` on at most as many threads as the context allows.
+// Runs `work` on at most as many threads as the context allows. Throws Error(memory) if oneTBB cannot start
+// its threads. oneTBB reports that by a plain std::runtime_error, which is its own where no body has thrown.
 template <class Work>
-void in_arena(const Context& context, const Work& work) {
-  if (in_body) {
-    // Isolated, so that the thread runs no body of the outer loop while it waits for the inner one.
-    tbb::this_task_arena::isolate(work);
-    return;
+void in_arena(const Context& context, const ForkJoin& events, const Work& work) {
+  try {
+    // Nested loops are isolated: the thread runs no body of the outer loop while it waits for the inner one.
+    if (in_body)
+      tbb::this_task_arena::isolate(work);
+    else
+      arena_of(worker_threads(context)).execute(work);
+  } catch (const std::runtime_error&) {
+    if (events.body_threw) throw;
+    throw Error(facts::core::NoThreads{});
   }
-  arena_of(worker_threads(context)).execute(work);
 }
 
 // Ends tasks that a failure of another task has left without their results. It reaches no caller: the group
@@ -142,7 +156,7 @@ void parallel_blocks(std::size_t count, const std::function<void(std::size_t, st
   }
   ForkJoin events;
   const CallerScope caller(events);
-  in_arena(context, [&] {
+  in_arena(context, events, [&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
       const BodyScope scope(events);
       context.throw_if_stopped();
@@ -220,7 +234,7 @@ void TaskForest::visit_up(const std::function<void(int)>& visit, const Context& 
     signal(visited[number]);
   };
   const CallerScope caller(events);
-  in_arena(context, [&] { run_all(roots_, climb); });
+  in_arena(context, events, [&] { run_all(roots_, climb); });
 }
 
 void TaskForest::visit_down(const std::function<void(int)>& visit, const Context& context) const {
@@ -247,7 +261,7 @@ void TaskForest::visit_down(const std::function<void(int)>& visit, const Context
     run_all(task.below, [&](int below) { descend(below, visited[number]); });
   };
   const CallerScope caller(events);
-  in_arena(context, [&] { run_all(roots_, [&](int root) { descend(root, events.fork); }); });
+  in_arena(context, events, [&] { run_all(roots_, [&](int root) { descend(root, events.fork); }); });
 }
 
 }  // namespace meshgraft

@@ -14,7 +14,8 @@ int worker_threads(const Context& context);
 
 /// Runs `body(begin, end)` over disjoint blocks that cover [0, count), on at most `context.threads` threads.
 /// Each index must write only its own results and reduce nothing across indices; the outcome then does not
-/// depend on the number of threads. Checks for cancellation between blocks; exceptions propagate.
+/// depend on the number of threads. Checks for cancellation between blocks; exceptions propagate. Throws
+/// Error(memory) if no threads can be started.
 void parallel_blocks(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
                      const Context& context = {}, std::size_t grain = 512);
 

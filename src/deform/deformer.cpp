@@ -15,6 +15,7 @@
 #include "core/facts.h"
 #include "core/memory.h"
 #include "deform/facts.h"
+#include "deform/setup/checks.h"
 #include "deform/setup/memory_estimate.h"
 #include "deformer_impl.h"
 

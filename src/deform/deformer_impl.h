@@ -9,6 +9,7 @@
 #include "deform/setup/region_mask.h"
 #include "deform/solve/constrained_system.h"
 #include "deform/solve/rotation_field.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 

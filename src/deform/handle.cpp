@@ -8,7 +8,8 @@
 
 #include "core/facts.h"
 #include "deform/facts.h"
-#include "deform/setup/region_mask.h"
+#include "deform/setup/checks.h"
+#include "deform/solve/rotations.h"
 
 namespace meshgraft {
 
@@ -50,12 +51,6 @@ SineCosine sine_cosine(double angle_deg) {
     case 3: return {-c, s};
     default: return {s, c};
   }
-}
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
 }
 
 // Returns the rotation matrix by Rodrigues' formula.

@@ -4,26 +4,27 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 namespace meshgraft::editor {
 
 static_assert(std::endian::native == std::endian::little, "frames are little-endian as they stand in memory");
 
-void BinaryFrame::add(std::string_view name, std::span<const float> values) {
-  add(name, "float32", std::as_bytes(values), values.size());
+void BinaryFrame::add(std::string_view name, std::span<const float> values, const Json& of) {
+  append({{"name", name}, {"of", of}, {"type", "float32"}, {"length", values.size()}}, std::as_bytes(values));
 }
 
-void BinaryFrame::add(std::string_view name, std::span<const Index> values) {
-  add(name, "uint32", std::as_bytes(values), values.size());
+void BinaryFrame::add(std::string_view name, std::span<const Index> values, const Json& of) {
+  append({{"name", name}, {"of", of}, {"type", "uint32"}, {"length", values.size()}}, std::as_bytes(values));
 }
 
-void BinaryFrame::add(std::string_view name, std::span<const std::uint8_t> values) {
-  add(name, "uint8", std::as_bytes(values), values.size());
+void BinaryFrame::add(std::string_view name, std::span<const std::uint8_t> values, const Json& of) {
+  append({{"name", name}, {"of", of}, {"type", "uint8"}, {"length", values.size()}}, std::as_bytes(values));
 }
 
-void BinaryFrame::add(std::string_view name, std::string_view type, std::span<const std::byte> bytes,
-                      std::size_t length) {
-  header_["arrays"].push_back({{"name", name}, {"type", type}, {"length", length}});
+void BinaryFrame::append(Json description, std::span<const std::byte> bytes) {
+  if (description["of"].is_null()) description.erase("of");
+  header_["arrays"].push_back(std::move(description));
   arrays_.insert(arrays_.end(), bytes.begin(), bytes.end());
   arrays_.resize((arrays_.size() + 3) / 4 * 4);
 }

@@ -17,22 +17,25 @@ namespace meshgraft::editor {
 
 /// A binary message that carries arrays of numbers to the page. Its bytes, all little-endian:
 ///   "MGF1", kind (uint32), length of the JSON (uint32, a multiple of 4), the JSON, padded with blanks,
-///   then the arrays that its field `arrays` lists as {name, type, length}, one after another, each padded to
-///   4 bytes.
+///   then the arrays that its field `arrays` lists as {name, of, type, length}, one after another, each
+///   padded to 4 bytes. Only arrays of which a frame has several by one name have `of`.
 class BinaryFrame {
  public:
   BinaryFrame(FrameKind kind, Json header) : kind_(kind), header_(std::move(header)) {
     header_["arrays"] = Json::array();
   }
 
-  void add(std::string_view name, std::span<const float> values);
-  void add(std::string_view name, std::span<const Index> values);  ///< as uint32; no value is negative
-  void add(std::string_view name, std::span<const std::uint8_t> values);
+  /// Adds an array. `of` tells arrays of one name apart: the name of a handle or the number of a picture. It
+  /// is null for the only array of the name.
+  void add(std::string_view name, std::span<const float> values, const Json& of = {});
+  void add(std::string_view name, std::span<const Index> values,
+           const Json& of = {});  ///< as uint32; no value is negative
+  void add(std::string_view name, std::span<const std::uint8_t> values, const Json& of = {});
 
   std::vector<std::byte> bytes() const;
 
  private:
-  void add(std::string_view name, std::string_view type, std::span<const std::byte> bytes, std::size_t length);
+  void append(Json description, std::span<const std::byte> bytes);
 
   FrameKind kind_;
   Json header_;

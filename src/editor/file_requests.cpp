@@ -14,6 +14,7 @@
 #include "editor/facts.h"
 #include "graft_actions.h"
 #include "io/facts.h"
+#include "io/file.h"
 #include "journal.h"
 #include "script/fact_json.h"
 #include "script/sha256.h"

@@ -10,6 +10,7 @@
 
 #include "document_actions.h"
 #include "editor/facts.h"
+#include "io/file.h"
 #include "script/facts.h"
 #include "script/sha256.h"
 

@@ -46,7 +46,7 @@ void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVe
 
 Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
 
-Json pair_json(const PairReport& pair) {
+Json pair_summary(const PairReport& pair) {
   return {{"start", start_json(pair)},
           {"confidence", pair.confidence},
           {"misfit_rel", pair.misfit_rel},
@@ -54,7 +54,7 @@ Json pair_json(const PairReport& pair) {
           {"raggedness_deg", pair.raggedness_deg}};
 }
 
-Json seam_json(const SeamReport& seam) {
+Json seam_summary(const SeamReport& seam) {
   return {{"manifold", seam.manifold},
           {"oriented", seam.oriented},
           {"closed", seam.closed},
@@ -124,7 +124,7 @@ Json graft_fields(const ShownGraft& graft) {
   const MergeOutcome& merge = *graft.report.merge;
   const MergeReport& report = merge.report;
   Json pairs = Json::array();
-  for (const PairReport& pair : report.pairs) pairs.push_back(pair_json(pair));
+  for (const PairReport& pair : report.pairs) pairs.push_back(pair_summary(pair));
   const Eigen::Affine3d map = whole_map(merge);
   return {{"graft", graft.number},
           {"dragged", graft.dragged},
@@ -133,7 +133,7 @@ Json graft_fields(const ShownGraft& graft) {
           {"size", scale_of(map)},
           {"normal_angle_deg", merge.options.normal_angle_deg},
           {"pairs", pairs},
-          {"seam", seam_json(report.seam)},
+          {"seam", seam_summary(report.seam)},
           {"inverted", report.shape.inverted},
           {"self_intersections", merge.self_intersections},
           {"notes", to_json(graft.report.notes)}};

@@ -75,15 +75,15 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
   Context context;
   context.stop_token = stop;
   if (!job.dragged)
-    context.progress = [outbox = outbox_](std::string_view stage, double fraction) {
-      outbox.tell("progress", {{"of", nullptr}, {"stage", stage}, {"fraction", fraction}}, "graft progress");
+    context.progress = [outbox = outbox_](const Progress& progress) {
+      outbox.tell("progress", progress_fields(nullptr, progress), "graft progress");
     };
   std::vector<std::byte> frame;
   StepOutcome outcome;
   Json told = {{"graft", number}, {"dragged", job.dragged}};
   try {
     std::map<std::string, MeshState> states{{job.target->name, job.target->state()},
-                                        {job.source->name, job.source->state()}};
+                                            {job.source->name, job.source->state()}};
     const StepReport report =
         run_step(edit, step, fmt::format("{}: steps[{}]", edit.location, edit.steps.size() - 1), states,
                  {.estimate_condition = false}, context);

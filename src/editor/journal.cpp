@@ -12,6 +12,7 @@
 
 #include "editor/facts.h"
 #include "folders.h"
+#include "io/file.h"
 #include "script/sha256.h"
 #include "server/utf8.h"
 
@@ -24,7 +25,7 @@ namespace {
 
 constexpr int most_sessions = 9;  // open at once on one model
 
-void require(const std::error_code& error, const fs::path& path) {
+void require_written(const std::error_code& error, const fs::path& path) {
   if (error) throw Error(facts::editor::JournalNotWritten{.reason = error.message()}, path.string());
 }
 
@@ -101,7 +102,7 @@ Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (!open(false)) return;
   found_ = read_journal(read_file(path_));
   if (found_ && found_->changes > 0 && !found_->saved) return;
-  if (found_) require(file_.resize(0), path_);  // all of it is saved: it is removed with this session
+  if (found_) require_written(file_.resize(0), path_);  // all of it is saved: it is removed with this session
   found_.reset();
 }
 
@@ -130,7 +131,7 @@ bool Journal::open(bool create) {
     }
     --number;  // its session deleted it meanwhile: try again
   }
-  if (create) require(error, stem_);
+  if (create) require_written(error, stem_);
   path_ = stem_;
   return false;
 }
@@ -139,10 +140,10 @@ void Journal::take_up() {
   if (!file_.is_open()) return;
   std::error_code error;
   const std::uintmax_t size = file_.status(error).bytes;
-  require(error, path_);
+  require_written(error, path_);
   if (size > found_->valid_bytes && read_file(path_).find('\n', found_->valid_bytes) != std::string::npos)
     fs::copy_file(path_, path_.string() + ".damaged", fs::copy_options::overwrite_existing);
-  require(file_.resize(found_->valid_bytes), path_);
+  require_written(file_.resize(found_->valid_bytes), path_);
   started_ = true;
   saved_ = false;
   found_.reset();
@@ -167,7 +168,7 @@ fs::path Journal::keep(const fs::path& file) {
 
 void Journal::start(const std::string& first) {
   if (!file_.is_open()) open(true);
-  require(file_.resize(0), path_);
+  require_written(file_.resize(0), path_);
   started_ = true;
   write_line({{"format", "meshgraft-session"}, {"version", 1}, {"document", first}});
 }
@@ -197,11 +198,11 @@ void Journal::write_line(const Json& line) {
   const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
   std::error_code error;
   const std::uint64_t begin = file_.status(error).bytes;
-  require(error, path_);
+  require_written(error, path_);
   error = file_.write(text);
   if (!error) error = file_.flush();
   if (error) file_.resize(begin);  // leaves no torn line, if possible
-  require(error, path_);
+  require_written(error, path_);
   saved_ = false;
 }
 

@@ -223,8 +223,8 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
     outbox.tell("live", {{"pose", pose == 0 ? 0 : pose + first}, {"error", error_json(error)}});
   };
   Context context;
-  context.progress = [outbox = outbox_](std::string_view stage, double fraction) {
-    outbox.tell("progress", {{"of", nullptr}, {"stage", stage}, {"fraction", fraction}}, "set-up");
+  context.progress = [outbox = outbox_](const Progress& progress) {
+    outbox.tell("progress", progress_fields(nullptr, progress), "set-up");
   };
   LiveOptions options;
   options.deformer = step.settings.deformer;

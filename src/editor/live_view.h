@@ -136,7 +136,7 @@ class LiveView {
   const std::shared_ptr<ExactFrame> exact_ = std::make_shared<ExactFrame>();
   const std::shared_ptr<std::atomic<bool>> exact_alone_ = std::make_shared<std::atomic<bool>>(false);
   std::shared_ptr<const MeshState> outcome_;  ///< result of a step that cannot be dragged
-  std::optional<Shown> parked_;           ///< the previous set-up, kept while the next one is made
+  std::optional<Shown> parked_;               ///< the previous set-up, kept while the next one is made
   Shown shown_;
 };
 

@@ -6,11 +6,10 @@
 #include <numeric>
 #include <string>
 
-#include <fmt/format.h>
-
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "io/file.h"
 #include "io/textures.h"
 
 namespace meshgraft::editor {
@@ -118,7 +117,7 @@ void add_textures(BinaryFrame& frame, const Object& object, const Folders& folde
     sent.push_back(bytes.empty() ? 0 : ++count);
     if (bytes.empty()) continue;
     const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
-    frame.add(fmt::format("picture {}", count), std::span(begin, bytes.size()));
+    frame.add("picture", std::span(begin, bytes.size()), count);
   }
   if (count == 0) return;
   std::vector<Index> pictures;
@@ -238,7 +237,7 @@ std::vector<std::byte> roles_frame(const Object& base, const Region& region) {
   BinaryFrame frame(FrameKind::roles, {{"mesh", base.id}, {"whole", region.whole}});
   frame.add("region", region.vertices);
   frame.add("fixed", region.fixed);
-  for (const Handle& handle : region.handles) frame.add("handle: " + handle.name, handle.vertices);
+  for (const Handle& handle : region.handles) frame.add("handle", handle.vertices, handle.name);
   return frame.bytes();
 }
 

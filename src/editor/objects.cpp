@@ -120,8 +120,8 @@ struct Objects::Keys {
   }
 };
 
-std::shared_ptr<const MeshState> Objects::input(const Document& document, const std::string& name, const Keys& keys,
-                                            const Context& context) {
+std::shared_ptr<const MeshState> Objects::input(const Document& document, const std::string& name,
+                                                const Keys& keys, const Context& context) {
   const std::string key = keys.of(name, 0);
   if (auto known = inputs_.find(key)) return known;
   EditFile alone = document.edit;
@@ -132,7 +132,7 @@ std::shared_ptr<const MeshState> Objects::input(const Document& document, const 
 }
 
 std::shared_ptr<const MeshState> Objects::state(const Document& document, const std::string& name,
-                                            std::size_t count, const Keys& keys, const Context& context) {
+                                                std::size_t count, const Keys& keys, const Context& context) {
   const std::optional<std::size_t> maker = keys.maker(name, count);
   if (!maker) return input(document, name, keys, context);
   const std::string& key = keys.steps[*maker];
@@ -193,7 +193,7 @@ Stage Objects::before(const Document& document, const Context& context) {
 }
 
 std::shared_ptr<const MeshState> Objects::after(const Document& document, std::size_t count,
-                                            const std::string& name, const Context& context) {
+                                                const std::string& name, const Context& context) {
   return state(document, name, count, Keys(document), context);
 }
 

@@ -28,11 +28,11 @@ struct Object {
   Weld weld;
   Mesh welded;
   std::optional<SelectionMesh> selections;  ///< of the mesh, or of the welded one
-  std::vector<std::vector<Index>> loops;       ///< of the mesh, numbered as in merge steps
-  Triangles triangles;                         ///< of the mesh
-  std::vector<Index> triangle_faces;           ///< per triangle: the face that contains it
-  Eigen::RowVector3d offset;                   ///< centre of the bounding box
-  double diagonal = 0;                         ///< of the bounding box
+  std::vector<std::vector<Index>> loops;    ///< of the mesh, numbered as in merge steps
+  Triangles triangles;                      ///< of the mesh
+  std::vector<Index> triangle_faces;        ///< per triangle: the face that contains it
+  Eigen::RowVector3d offset;                ///< centre of the bounding box
+  double diagonal = 0;                      ///< of the bounding box
 
   const MeshState& state() const { return *shared_state; }
   const Mesh& mesh() const { return state().mesh; }
@@ -88,7 +88,7 @@ class Objects {
 
   /// Returns a mesh in the state after the first `count` steps. Throws what `run_edit` throws.
   std::shared_ptr<const MeshState> after(const Document& document, std::size_t count, const std::string& name,
-                                     const Context& context);
+                                         const Context& context);
 
   /// Stores the result of the last step, so that accepting or saving it does not run it again.
   void learn(const Document& document, StepOutcome outcome);
@@ -98,10 +98,10 @@ class Objects {
   struct Keys;
 
   std::shared_ptr<const MeshState> input(const Document& document, const std::string& name, const Keys& keys,
-                                     const Context& context);
+                                         const Context& context);
   /// Returns a mesh in the state after the first `count` steps.
   std::shared_ptr<const MeshState> state(const Document& document, const std::string& name, std::size_t count,
-                                     const Keys& keys, const Context& context);
+                                         const Keys& keys, const Context& context);
   std::shared_ptr<const Object> object(const std::string& name, const std::string& key,
                                        std::shared_ptr<const MeshState> state);
 

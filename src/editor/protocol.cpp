@@ -58,6 +58,12 @@ void Outbox::send(std::vector<std::byte> frame, std::string_view slot) const {
   channel_->send_bytes(std::move(parts), slot);
 }
 
+Json progress_fields(const Json& of, const Progress& progress) {
+  Json fields = {{"of", of}, {"stage", progress.stage}, {"fraction", progress.fraction}};
+  if (!progress.within.empty()) fields["within"] = progress.within;
+  return fields;
+}
+
 Json error_json(const Error& error) {
   Json told = to_json(error);
   const ErrorLocation location = parts_of_location(error.location());

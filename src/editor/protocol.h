@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/core/error.h>
 
 #include "server/server.h"
@@ -40,6 +41,10 @@ class Outbox {
  private:
   std::shared_ptr<Channel> channel_;
 };
+
+/// Returns the fields of the event `progress`. `of` is the id of the request; null for the set-up or the
+/// graft in the background.
+Json progress_fields(const Json& of, const Progress& progress);
 
 /// Returns what `to_json` returns, with the parts of the location that the page names: step, handle, pair and
 /// file. `location` is what is left of it within the step.

@@ -142,8 +142,8 @@ void Worker::perform(const RequestQueue::Work& work) {
 Context Worker::context_of(const RequestQueue::Work& work) const {
   Context context;
   context.stop_token = work.stop;
-  context.progress = [outbox = outbox_, id = work.request.id](std::string_view stage, double fraction) {
-    outbox.tell("progress", {{"of", id}, {"stage", stage}, {"fraction", fraction}}, "progress");
+  context.progress = [outbox = outbox_, id = work.request.id](const Progress& progress) {
+    outbox.tell("progress", progress_fields(id, progress), "progress");
   };
   return context;
 }

@@ -11,6 +11,7 @@
 #include "graft_frames.h"
 #include "mesh_frames.h"
 #include "script/fact_json.h"
+#include "script/vector_json.h"
 #include "twist.h"
 
 namespace meshgraft::editor {
@@ -18,8 +19,6 @@ namespace meshgraft::editor {
 namespace fs = std::filesystem;
 
 namespace {
-
-Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 // Replaces long lists by their counts: nobody reads the numbers of a thousand vertices.
 Json without_long_lists(const Json& json) {
@@ -90,8 +89,8 @@ Json handle_summary(const Json& step, const Json& handle, const LiveView& view) 
     if (one.handle.name != handle["name"].get_ref<const std::string&>()) continue;
     summary.update({{"vertices", one.handle.vertices.size()},
                     {"closed", one.handle.closed},
-                    {"centre", vector_json(one.centre)},
-                    {"pivot", vector_json(one.pivot)},
+                    {"centre", vector_json<Json>(one.centre)},
+                    {"pivot", vector_json<Json>(one.pivot)},
                     {"rim", one.rim}});
     if (summary["pose"].contains("def")) summary["matrix"] = matrix_json(view.poses()[h].transform);
   }

@@ -564,13 +564,13 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
   const View view = fit_view(surfaces, options);
   const Painter painter(surfaces, view, options);
 
-  context.step("rendering", 0.0);
+  context.step("render", 0.0);
   std::vector<Pixel> pixels(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
   const auto slot = [&](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(x);
   };
   for_each_pixel(options, context, [&](int x, int y) { pixels[slot(x, y)] = painter.pixel(x, y); });
-  context.step("rendering", 0.8);
+  context.step("render", 0.8);
   std::vector<Shares> shares;
   shares.reserve(pixels.size());
   for (const Pixel& pixel : pixels) shares.push_back({pixel.normal, pixel.point, pixel.open, pixel.key});
@@ -591,7 +591,7 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
       image.pixels[3 * i + k] = static_cast<std::uint8_t>(
           std::lround(255.0f * to_srgb(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0f, 1.0f))));
   }
-  context.step("rendering", 1.0);
+  context.step("render", 1.0);
   return image;
 }
 

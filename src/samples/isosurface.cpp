@@ -432,7 +432,7 @@ class Remesher {
 void remesh(Surface& surface, const SparseField& field, const RemeshOptions& options, const Context& context) {
   Remesher remesher(surface, field, options.edge_length, context);
   for (int i = 0; i < options.iterations; ++i) {
-    context.step("shaping triangles", static_cast<double>(i) / options.iterations);
+    context.step("shape_triangles", static_cast<double>(i) / options.iterations);
     remesher.split_long_edges();
     remesher.collapse_short_edges();
     remesher.flip_edges();

@@ -157,9 +157,9 @@ Mesh mesh_sculpture(const SculptedModel& model, int resolution, const Context& c
   resolution = std::max(resolution, smallest_sculpture);
   const double edge = std::sqrt(model.area / (std::sqrt(0.75) * resolution * resolution));
   const double cell = std::min(1.7 * edge, model.finest_cell);
-  context.step("finding the surface", 0.0);
+  context.step("find_surface", 0.0);
   const SparseField field(model.sculpture, cell, context);
-  context.step("finding the surface", 0.3);
+  context.step("find_surface", 0.3);
   Surface surface = polygonise(field, context);
   RemeshOptions options{.edge_length = edge, .iterations = model.cut ? 4 : 6};
   remesh(surface, field, options, context);
@@ -169,7 +169,7 @@ Mesh mesh_sculpture(const SculptedModel& model, int resolution, const Context& c
   }
   Mesh mesh = to_mesh(surface, kept_triangles(surface, model));
   add_colours(mesh, field, context);
-  context.step("shaping triangles", 1.0);
+  context.step("shape_triangles", 1.0);
   return mesh;
 }
 

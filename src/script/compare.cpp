@@ -11,6 +11,7 @@
 
 #include "fact_json.h"
 #include "json_text.h"
+#include "percent.h"
 #include "report_json.h"
 #include "run_steps.h"
 #include "script/facts.h"
@@ -34,13 +35,15 @@ void require_deform_step(const EditFile& edit) {
     throw Error(facts::script::NothingToCompare{}, edit.location);
 }
 
-// Returns a context whose progress also names the method.
+// Returns a context whose progress also names and counts the method.
 Context context_of(const Method& method, std::size_t number, std::size_t count, const Context& context) {
   Context own = context;
   if (context.progress)
-    own.progress = [&context, where = fmt::format("{} ({} of {})", to_string(method), number, count)](
-                       std::string_view stage, double fraction) {
-      context.progress(fmt::format("{}: {}", where, stage), fraction);
+    own.progress = [&context, name = to_string(method), number, count](Progress progress) {
+      progress.within = name;
+      progress.number = static_cast<int>(number);
+      progress.count = static_cast<int>(count);
+      context.progress(progress);
     };
   return own;
 }
@@ -81,8 +84,6 @@ constexpr std::array columns = {
     "set-up", "solve"};
 using Row = std::vector<std::string>;
 
-std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
-
 template <class T, class Write>
 std::string where_known(const std::optional<T>& value, Write write) {
   return value ? write(*value) : std::string("–");
@@ -104,8 +105,8 @@ Row row_of(const MethodOutcome& outcome, const Wording& wording) {
           sigma(quality.sigma_p1),
           sigma(quality.sigma_p50),
           sigma(quality.sigma_max),
-          percent(quality.area_ratio_free),
-          where_known(quality.volume_ratio, percent),
+          percent_change(quality.area_ratio_free),
+          where_known(quality.volume_ratio, percent_change),
           degrees(quality.rim_jump_max_deg),
           std::to_string(quality.flipped_faces),
           where_known(quality.new_self_intersections, [](std::int64_t count) { return std::to_string(count); }),
@@ -205,9 +206,9 @@ std::string comparison_table(const Comparison& comparison, const Wording& wordin
     rows.push_back(row_of(outcome, wording));
     if (!outcome.result) continue;
     for (const auto& [step, note] : notes_of(outcome.result->report)) {
-      const Words words = wording(note);
-      notes +=
-          fmt::format("- {}: {}\n", to_string(outcome.method), error_sentence(step, words.text, words.remedy));
+      const FactText text = wording(note);
+      notes += fmt::format("- {}: {}\n", to_string(outcome.method),
+                           error_sentence(step, text.statement, text.remedy));
     }
   }
   return table_of(rows) + (notes.empty() ? "" : "\n" + notes);

@@ -38,9 +38,9 @@ Comparison compare_methods(const EditFile& edit, std::span<const Method> methods
 
 /// Returns each method's name, quality and seconds as a Markdown table, with notes below it, in the words of an
 /// interface.
-std::string comparison_table(const Comparison& comparison, const Wording& wording = library_words);
+std::string comparison_table(const Comparison& comparison, const Wording& wording = library_text);
 
 /// Returns the comparison as JSON (docs/report.md), in the words of an interface.
-std::string write_comparison(const Comparison& comparison, const Wording& wording = library_words);
+std::string write_comparison(const Comparison& comparison, const Wording& wording = library_text);
 
 }  // namespace meshgraft

@@ -13,6 +13,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 
+#include "io/file.h"
 #include "json_value.h"
 #include "parse_parts.h"
 #include "script/facts.h"
@@ -45,11 +46,13 @@ EditStep parse_step(const Value& value) {
 void note_former_words(const Value& step, std::vector<Note>& notes) {
   if (!step.raw().contains("settings")) return;
   const Value settings = step.member("settings");
-  if (!settings.raw().contains("backend")) return;
-  const Value backend = settings.member("backend");
-  if (backend.raw() == former_multifrontal)
-    notes.push_back(facts::script::FormerBackend{
-        .location = backend.location(), .former = former_multifrontal, .name = "multifrontal"});
+  if (settings.raw().contains("backend") && settings.raw().at("backend") == former_multifrontal)
+    notes.push_back(facts::script::FormerBackend{.location = settings.member("backend").location(),
+                                                 .former = former_multifrontal,
+                                                 .name = "multifrontal"});
+  if (settings.raw().contains(former_fairings))
+    notes.push_back(facts::script::FormerSetting{
+        .location = settings.location(), .former = former_fairings, .name = "fairings"});
 }
 
 std::string parse_sha256(const Value& value) {

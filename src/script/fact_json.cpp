@@ -29,13 +29,13 @@ Json to_json(std::span<const Note> notes, const Wording& wording) {
 }
 
 Json to_json(const Error& error, const Wording& wording) {
-  const Words words = wording(error.fact());
+  const FactText text = wording(error.fact());
   return {{"id", std::string(error.id())},
           {"code", std::string(to_string(error.code()))},
           {"location", error.location()},
           {"fields", fields_json(error.fact())},
-          {"problem", words.text},
-          {"remedy", words.remedy},
+          {"problem", text.statement},
+          {"remedy", text.remedy},
           {"notes", to_json(error.notes(), wording)}};
 }
 

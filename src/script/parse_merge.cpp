@@ -95,7 +95,7 @@ MergeFeatureSpec parse_feature(const Value& value) {
 
 MergeSettings parse_merge_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
-  known.insert(known.end(), {"strip", "edge_ratio", "smoothing_steps", "band", "sharp_angle_deg"});
+  known.insert(known.end(), {"strip", "edge_ratio", "fairings", former_fairings, "band", "sharp_angle_deg"});
   const Object fields(value, known);
   MergeSettings settings;
   settings.deformer = parse_deformer(fields);
@@ -104,8 +104,8 @@ MergeSettings parse_merge_settings(const Value& value) {
     seam.strip = v.choice<StripMethod>({{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}});
   });
   fields.optional("edge_ratio", [&](const Value& v) { seam.edge_ratio = v.number_in(1, 1e6); });
-  fields.optional("smoothing_steps",
-                  [&](const Value& v) { seam.smoothing_steps = static_cast<int>(v.integer_in(0, 1000)); });
+  for (const std::string_view name : {former_fairings, std::string_view("fairings")})
+    fields.optional(name, [&](const Value& v) { seam.fairings = static_cast<int>(v.integer_in(0, 1000)); });
   fields.optional("band", [&](const Value& v) { seam.target_rings = static_cast<int>(v.integer_in(0, 100)); });
   fields.optional("sharp_angle_deg", [&](const Value& v) { seam.sharp_angle_deg = v.number_in(0, 180); });
   return settings;

@@ -47,6 +47,9 @@ DeformerOptions parse_deformer(const json::Object& fields);
 /// Former name of the backend `multifrontal`. Edit files with it are still read, with a note.
 inline constexpr std::string_view former_multifrontal = "cholmod";
 
+/// Former name of the setting `fairings`. Edit files with it are still read, with a note.
+inline constexpr std::string_view former_fairings = "smoothing_steps";
+
 /// Refuses an element whose name an earlier one of its list has.
 inline void require_new_name(std::set<std::string>& names, const std::string& name, const json::Value& value) {
   if (!names.insert(name).second) value.fail(facts::script::NameTaken{.name = name});

@@ -65,7 +65,7 @@ constexpr std::size_t index_limit = 10;  // of a finding
 Json diagnostics_json(const Diagnostics& diagnostics, const Wording& wording) {
   Json findings = Json::array();
   for (const Finding& finding : diagnostics.findings) {
-    const Words words = wording(finding.note);
+    const FactText text = wording(finding.note);
     const std::size_t shown = std::min(index_limit, finding.indices.size());
     findings.push_back(
         {{"name", finding.name},
@@ -74,8 +74,8 @@ Json diagnostics_json(const Diagnostics& diagnostics, const Wording& wording) {
          {"domain", domain_word(finding.domain)},
          {"first", std::vector<Index>(finding.indices.begin(),
                                       finding.indices.begin() + static_cast<std::ptrdiff_t>(shown))},
-         {"description", words.text},
-         {"remedy", words.remedy}});
+         {"description", text.statement},
+         {"remedy", text.remedy}});
   }
   return findings;
 }

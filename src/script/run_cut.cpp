@@ -43,8 +43,8 @@ std::map<std::string, std::vector<Index>> sets_of(const CutResult& result) {
 
 }  // namespace
 
-StepReport run_cut(const EditStep& edit_step, const std::string& location, std::map<std::string, MeshState>& states,
-                   const Context& context) {
+StepReport run_cut(const EditStep& edit_step, const std::string& location,
+                   std::map<std::string, MeshState>& states, const Context& context) {
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;
   const MeshState& state = states.at(step.mesh);

@@ -30,7 +30,7 @@ namespace {
 int reach_rings(const DeformSettings& settings) { return settings.deformer.operators.laplacian_order + 4; }
 
 void require_sound_within_reach(const MeshState& state, const Region& region, const SelectionMesh& selections,
-                                 int reach) {
+                                int reach) {
   std::vector<Index> vertices = region.vertices;
   if (region.whole) {
     vertices.resize(selections.mesh.vertex_count());
@@ -281,8 +281,8 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const st
   return setup;
 }
 
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, MeshState& state,
-                      const RunOptions& options, const Context& context) {
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
+                      MeshState& state, const RunOptions& options, const Context& context) {
   Stopwatch watch;
   StepReport report;
   report.mesh = step.mesh;

@@ -13,6 +13,7 @@
 #include <meshgraft/samples/samples.h>
 
 #include "../core/stopwatch.h"
+#include "io/file.h"
 #include "run_steps.h"
 #include "script/facts.h"
 #include "sha256.h"
@@ -109,7 +110,8 @@ Mesh load_input(const EditInput& input, const EditFile& edit, const Context& con
 }
 
 StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& location,
-                    std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context) {
+                    std::map<std::string, MeshState>& states, const RunOptions& options,
+                    const Context& context) {
   if (std::holds_alternative<MergeStep>(edit_step.action))
     return run_merge(edit, edit_step, location, states, options, context);
   if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, states, context);

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -142,8 +144,8 @@ std::vector<Index> seam_vertices(const Mesh& mesh, const std::vector<Index>& fac
 }
 
 // Returns the merged mesh with the sets that later steps may name.
-MeshState merged_state(MergeResult& result, const EditStep& step, const MeshState& target, const MeshState& source,
-                   const Context& context) {
+MeshState merged_state(MergeResult& result, const EditStep& step, const MeshState& target,
+                       const MeshState& source, const Context& context) {
   ProducedSets produced;
   carry_produced(source.produced, result.source, produced);
   carry_produced(target.produced, result.target, produced);
@@ -190,7 +192,8 @@ Eigen::Affine3d DropPlacement::map(const MergeStep& step) const {
 }
 
 StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& location,
-                     std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context) {
+                     std::map<std::string, MeshState>& states, const RunOptions& options,
+                     const Context& context) {
   const auto& step = std::get<MergeStep>(edit_step.action);
   Stopwatch watch;
   StepReport report;

@@ -65,18 +65,20 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 /// These run one step on its meshes in `states` and store the outcome there. They throw what `run_edit`
 /// throws.
 StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& location,
-                    std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context);
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location, MeshState& state,
-                      const RunOptions& options, const Context& context);
+                    std::map<std::string, MeshState>& states, const RunOptions& options,
+                    const Context& context);
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
+                      MeshState& state, const RunOptions& options, const Context& context);
 StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& location,
-                     std::map<std::string, MeshState>& states, const RunOptions& options, const Context& context);
+                     std::map<std::string, MeshState>& states, const RunOptions& options,
+                     const Context& context);
 
 /// Computes the placement of the source of a merge step with `at`, before it is deformed.
 class DropPlacement {
  public:
   /// Throws Error(input), like the step, for an invalid loop.
-  DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location, const MeshState& target,
-                const MeshState& source);
+  DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
+                const MeshState& target, const MeshState& source);
 
   /// Returns a map of the source's original coordinates, for `at` and `size` of a step that is otherwise the
   /// same. Without a size the source keeps its own, though the merge may make it smaller. Throws Error(input)

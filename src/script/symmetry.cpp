@@ -15,18 +15,11 @@
 #include "mesh/box_diagonal.h"
 #include "mesh/vertex_tree.h"
 #include "script/facts.h"
+#include "select/candidates.h"
 
 namespace meshgraft {
 
 namespace {
-
-// Returns the vertices that belong to a face and have finite positions.
-std::vector<Index> candidates_of(const SelectionMesh& context) {
-  std::vector<Index> candidates;
-  for (Index v = 0; v < context.mesh.vertex_count(); ++v)
-    if (context.components[v] >= 0 && context.mesh.positions.row(v).allFinite()) candidates.push_back(v);
-  return candidates;
-}
 
 Eigen::RowVector3d image_of(const Eigen::Affine3d& reflection, const Points& points, Eigen::Index row) {
   return (reflection * points.row(row).transpose()).transpose();

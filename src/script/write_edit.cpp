@@ -322,7 +322,7 @@ Json settings_json(const MergeSettings& settings) {
   Json json = deformer_json(settings.deformer);
   json["strip"] = settings.seam.strip == StripMethod::greedy ? "greedy" : "optimal";
   json["edge_ratio"] = settings.seam.edge_ratio;
-  json["smoothing_steps"] = settings.seam.smoothing_steps;
+  json["fairings"] = settings.seam.fairings;
   json["band"] = settings.seam.target_rings;
   json["sharp_angle_deg"] = settings.seam.sharp_angle_deg;
   return json;

@@ -7,18 +7,12 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/hex_digit.h"
 #include "server/facts.h"
 
 namespace meshgraft {
 
 namespace {
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
 
 std::string decode(std::string_view text) {
   std::string decoded;

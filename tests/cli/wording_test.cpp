@@ -20,7 +20,7 @@
 
 namespace meshgraft::cli {
 
-/// Returns the classes of facts of the tables that this program compiles: the command line's and the editor's.
+/// Returns the types of facts in the tables that this program compiles: the command line's and the editor's.
 std::span<const FactType* const> fact_types();
 
 namespace {

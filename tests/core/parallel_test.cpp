@@ -52,6 +52,17 @@ TEST(ParallelBlocks, PassesOnAnException) {
                  std::out_of_range);
 }
 
+TEST(ParallelBlocks, PassesOnAnExceptionOfTheTypeThatTbbThrows) {
+  const auto broken = [](std::size_t, std::size_t) { throw std::runtime_error("broken"); };
+  for (const int threads : {1, 2, 4}) {
+    EXPECT_THROW(parallel_blocks(1000, broken, with_threads(threads), 10), std::runtime_error);
+    const auto nested = [&](std::size_t, std::size_t) {
+      parallel_blocks(100, broken, with_threads(threads), 10);
+    };
+    EXPECT_THROW(parallel_blocks(1000, nested, with_threads(threads), 10), std::runtime_error);
+  }
+}
+
 TEST(ParallelBlocks, StopsWhenAsked) {
   for (const int threads : {1, 2, 4}) {
     std::stop_source stop;
@@ -77,7 +88,7 @@ TEST(Context, ReportsStagesAndThenStops) {
   std::stop_source stop;
   std::vector<double> fractions;
   const Context context{.threads = 0,
-                        .progress = [&](std::string_view, double fraction) { fractions.push_back(fraction); },
+                        .progress = [&](const Progress& progress) { fractions.push_back(progress.fraction); },
                         .stop_token = stop.get_token()};
   context.step("factorise");
   context.step("factorise", 0.5);

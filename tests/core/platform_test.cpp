@@ -20,6 +20,7 @@
 #include "core/platform/memory.h"
 #include "core/platform/process.h"
 #include "core/platform/processor.h"
+#include "io/file.h"
 #include "io/temporary_folder.h"
 
 #ifdef __unix__

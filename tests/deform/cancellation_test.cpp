@@ -47,7 +47,7 @@ bool cancelled_at(int last, const std::function<void(const Context&)>& work) {
   std::stop_source stop;
   int step = 0;
   Context context{.threads = 2, .progress = {}, .stop_token = stop.get_token()};
-  context.progress = [&](std::string_view, double) {
+  context.progress = [&](const Progress&) {
     if (++step == last) stop.request_stop();
   };
   try {
@@ -69,8 +69,7 @@ TEST(Cancellation, ACancelledSetUpLeavesNothingBehind) {
     return Deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), {}, context);
   };
   int steps = 0;
-  const Context counting{
-      .threads = 2, .progress = [&](std::string_view, double) { ++steps; }, .stop_token = {}};
+  const Context counting{.threads = 2, .progress = [&](const Progress&) { ++steps; }, .stop_token = {}};
   const Points expected = set_up(counting).evaluate(poses);
   ASSERT_GT(steps, 3);
   cancelled_at(steps / 2, set_up);

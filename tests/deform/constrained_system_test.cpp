@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "deform/system_scene.h"
+#include "linalg/sparse.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 #include "support/variants.h"

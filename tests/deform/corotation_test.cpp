@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "deform/solve/rotations.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 namespace {

@@ -76,10 +76,10 @@ TEST(IntersectionsLarge, WhatTakesLongTellsHowFarItIsAndCanBeStopped) {
   const Crowd crowd = in_a_cube(12'000);
   std::stop_source stop;
   int told = 0;
-  const auto tell = [&](std::string_view stage, double fraction) {
-    EXPECT_EQ(stage, "intersections");
-    EXPECT_GE(fraction, 0);
-    EXPECT_LE(fraction, 1);
+  const auto tell = [&](const Progress& progress) {
+    EXPECT_EQ(progress.stage, "intersections");
+    EXPECT_GE(progress.fraction, 0);
+    EXPECT_LE(progress.fraction, 1);
     if (++told == 2) stop.request_stop();
   };
   EXPECT_THROW(crowd.count({.progress = tell, .stop_token = stop.get_token()}), Error);

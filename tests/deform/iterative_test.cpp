@@ -107,8 +107,8 @@ TEST(Iterative, StopsWhenAsked) {
   std::stop_source stop;
   Context context;
   context.stop_token = stop.get_token();
-  context.progress = [&](std::string_view stage, double) {
-    if (stage == "solve") stop.request_stop();
+  context.progress = [&](const Progress& progress) {
+    if (progress.stage == "solve") stop.request_stop();
   };
   EXPECT_THROW(deformer.evaluate(std::vector{pose_of(head_move(scene))}, context), Error);
 }

@@ -9,6 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 
+#include "linalg/sparse.h"
 #include "linear_edits.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"

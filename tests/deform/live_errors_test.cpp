@@ -4,7 +4,6 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
-#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -145,16 +144,16 @@ TEST(LiveDeformer, ProgressMayFailOrAskWithoutAHang) {
     return error_of([&] { live.wait_until_exact(); }).first;
   };
   static constexpr FactType by_callback{"test.cancelled", ErrorCode::cancelled, {}, "by the callback", ""};
-  EXPECT_EQ(outcome([](std::string_view, double) { throw Error(Fact(by_callback, {})); }), by_callback.id);
-  EXPECT_EQ(outcome([](std::string_view, double) { throw std::runtime_error("broken"); }), "core.defect");
+  EXPECT_EQ(outcome([](const Progress&) { throw Error(Fact(by_callback, {})); }), by_callback.id);
+  EXPECT_EQ(outcome([](const Progress&) { throw std::runtime_error("broken"); }), "core.bug");
 }
 
 TEST(LiveDeformer, TheProxyStaysWhereTheRestDoesNotFit) {
   const Scene scene = make_scene(bumpy_sphere(3));
   LiveOptions options = quick_options(DeformMethod::corotational);
   Context context;
-  context.progress = [](std::string_view step, double) {  // simulates a set-up that runs out of memory
-    if (step == "assemble") throw std::bad_alloc();
+  context.progress = [](const Progress& progress) {  // simulates an exact set-up that runs out of memory
+    if (progress.stage == "assemble" && progress.within.empty()) throw std::bad_alloc();
   };
   Recorder recorder;
   LiveDeformer live = make_live(scene, held_foot(scene), recorder, options, context);

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "deform/setup/solvability.h"
+#include "linalg/sparse.h"
 #include "support/mesh_families.h"
 #include "support/variants.h"
 
@@ -120,7 +121,7 @@ TEST(PatchOperator, RowsOfTheUnknownAreThoseOfTheWholeMesh) {
           of_mesh.position[cut.patch.vertices[v]] = of_patch.position[v];
           of_mesh.transform[cut.patch.vertices[v]] = of_patch.transform[v];
         }
-        const AffineOperator whole(mesh.positions, mesh.triangles, options, of_mesh);
+        const AffineOperator whole(OperatorMesh{mesh.positions, mesh.triangles}, of_mesh, options);
         // A row of a patch differs by ℓ̄ at most. All else in AᵀA has no length.
         double factor = 1;
         if (options.density == Density::aware)

@@ -407,7 +407,7 @@ TEST(Proxy, CanBeCancelledAnywhere) {
   const Scene scene = make_scene(bumpy_sphere(4));
   int steps = 0;
   Context counting;
-  counting.progress = [&](std::string_view, double) { ++steps; };
+  counting.progress = [&](const Progress&) { ++steps; };
   const ProxyDeformer whole(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), proxy_of(400),
                             counting);
   ASSERT_GT(steps, 3);
@@ -416,7 +416,7 @@ TEST(Proxy, CanBeCancelledAnywhere) {
     int step = 0;
     Context context;
     context.stop_token = stop.get_token();
-    context.progress = [&](std::string_view, double) {
+    context.progress = [&](const Progress&) {
       if (++step == last) stop.request_stop();
     };
     try {

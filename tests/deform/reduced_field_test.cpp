@@ -11,6 +11,7 @@
 #include "deform/solve/corotation.h"
 #include "deform/solve/handle_frame.h"
 #include "deform/system_scene.h"
+#include "linalg/sparse.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 

@@ -10,6 +10,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "deform/setup/checks.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {
@@ -179,8 +180,7 @@ TEST(RegionMask, RefusesValuesThatCannotBeUsed) {
   expect_refused([] { validate({.stiffness = -1}); }, "core.out_of_range", "stiffness");
   expect_refused([] { validate({.stiffness = not_a_number}); }, "core.out_of_range", "stiffness");
   expect_refused([] { validate({.iterations = 1001}); }, "core.out_of_range", "iterations");
-  expect_refused([] { validate({.smoothing_length_rel = 11}); }, "core.out_of_range",
-                 "smoothing_length_rel");
+  expect_refused([] { validate({.smoothing_length_rel = 11}); }, "core.out_of_range", "smoothing_length_rel");
   EXPECT_NO_THROW(validate(DeformerOptions{}));
 
   ConstraintList list;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "linalg/sparse.h"
 #include "mesh/shapes.h"
 #include "support/scene_edits.h"
 

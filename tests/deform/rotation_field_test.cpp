@@ -10,6 +10,7 @@
 #include "deform/solve/corotation.h"
 #include "deform/solve/rotations.h"
 #include "deform/system_scene.h"
+#include "linalg/sparse.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 

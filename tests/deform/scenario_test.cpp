@@ -13,6 +13,7 @@
 #include <meshgraft/script/run_edit.h>
 #include <meshgraft/select/selection.h>
 
+#include "io/file.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 #include "support/variants.h"

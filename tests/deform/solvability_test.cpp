@@ -10,7 +10,6 @@
 
 #include <meshgraft/core/error.h>
 
-#include "deform/setup/region_mask.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {
@@ -19,7 +18,8 @@ namespace {
 /// Returns whether the energy has one minimum: its rows in the unknown positions and apexes, and those of the
 /// anchors, have full column rank.
 bool has_one_minimum(const test::TestMesh& mesh, const ConstraintMask& mask) {
-  const AffineOperator rows(mesh.positions, mesh.triangles, {.degenerate = DegenerateTreatment::apex}, mask);
+  const AffineOperator rows(OperatorMesh{mesh.positions, mesh.triangles}, mask,
+                            {.degenerate = DegenerateTreatment::apex});
   const Eigen::MatrixXd A = Eigen::MatrixXd(rows.A());
   const IndexLists rings = vertex_rings(mesh.size(), mesh.triangles);
   std::vector<Eigen::Index> unknown;

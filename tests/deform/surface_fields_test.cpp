@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "linalg/sparse.h"
 #include "mesh/shapes.h"
 #include "support/mesh_families.h"
 

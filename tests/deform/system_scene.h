@@ -11,6 +11,7 @@
 #include "deform/setup/region_mask.h"
 #include "deform/solve/constrained_system.h"
 #include "deform/solve/rotation_field.h"
+#include "linalg/sparse.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
 

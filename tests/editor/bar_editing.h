@@ -7,6 +7,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/samples/samples.h>
 
+#include "io/file.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
 

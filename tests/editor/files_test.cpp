@@ -9,6 +9,7 @@
 #include <meshgraft/script/run_edit.h>
 
 #include "bar_editing.h"
+#include "io/file.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
 

@@ -69,7 +69,7 @@ TEST(Editor, SendsThePicturesOfItsFoldersAlone) {
   Page page(editor.url());
   page.ask({{"do", "open"}, {"path", (folder / "model.obj").string()}});
   Frame frame = page.frame(1);
-  EXPECT_EQ(frame.bytes["picture 1"], "picture");
+  EXPECT_EQ(frame.pictures, (std::map<int, std::string>{{1, "picture"}}));
   EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0}));
   const std::vector<float>& uv = frame.numbers["corner_uv"];
   ASSERT_EQ(uv.size(), 18u);

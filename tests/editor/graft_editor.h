@@ -8,6 +8,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "io/file.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
 

@@ -155,12 +155,12 @@ TEST_F(GraftEditor, SlidersChangeWhatIsShown) {
         {"shape", nullptr},
         {"mirror", {{"point", {0, 0, 0}}, {"normal", {1, 0, 0}}}}});
   take({{"mirror", nullptr}, {"size", 0.8}});
-  take({{"size", nullptr}, {"settings", {{"smoothing_steps", 0}}}});
+  take({{"size", nullptr}, {"settings", {{"fairings", 0}}}});
   for (std::size_t a = 0; a < outcomes.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) EXPECT_NE(outcomes[a], outcomes[b]) << a << " " << b;
-  take({{"settings", {{"smoothing_steps", 2}}}});
+  take({{"settings", {{"fairings", 2}}}});
   EXPECT_EQ(outcomes.back(), outcomes.front());
-  EXPECT_EQ(state()["graft"]["step"]["settings"]["smoothing_steps"], 2);
+  EXPECT_EQ(state()["graft"]["step"]["settings"]["fairings"], 2);
 }
 
 TEST_F(GraftEditor, KeepsAPoseAndWhatIsFixed) {

@@ -12,6 +12,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "editor/document_actions.h"
+#include "io/file.h"
 #include "io/temporary_folder.h"
 
 namespace meshgraft::test {

@@ -174,7 +174,11 @@ void Page::take_frame(const std::string& bytes) {
   const char* from = bytes.data() + 12 + header_length;
   for (const Json& array : frame.header["arrays"]) {
     const auto length = array["length"].get<std::size_t>();
-    if (array["type"] == "float32")
+    if (array["name"] == "handle")
+      frame.handles[array["of"]] = take<std::int32_t>(from, length);
+    else if (array["name"] == "picture")
+      take_bytes(from, length, frame.pictures[array["of"].get<int>()]);
+    else if (array["type"] == "float32")
       frame.numbers[array["name"]] = take<float>(from, length);
     else if (array["type"] == "uint32")
       frame.indices[array["name"]] = take<std::int32_t>(from, length);

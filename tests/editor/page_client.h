@@ -39,6 +39,8 @@ struct Frame {
   std::map<std::string, std::vector<float>> numbers;
   std::map<std::string, std::vector<std::int32_t>> indices;
   std::map<std::string, std::string> bytes;
+  std::map<std::string, std::vector<std::int32_t>> handles;  ///< arrays `handle`, by the handles' names
+  std::map<int, std::string> pictures;                       ///< arrays `picture`, by number
 };
 
 /// Stands for the editor's page: a WebSocket that sends requests, and keeps the positions that a page would

@@ -7,6 +7,7 @@
 #include <meshgraft/samples/samples.h>
 
 #include "graft_editor.h"
+#include "io/file.h"
 
 namespace meshgraft::test {
 namespace {

@@ -9,6 +9,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "bar_editing.h"
+#include "io/file.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
 

@@ -9,6 +9,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "io/file.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
 
@@ -89,8 +90,8 @@ TEST(EditorSymmetry, MovesTheTwinWhileItIsDragged) {
   const Json symmetry = state(page)["symmetry"];
   EXPECT_EQ(symmetry["plane"]["normal"], (Json{1.0, 0.0, 0.0}));
   EXPECT_EQ(symmetry["twins"], (Json::array({{{"name", "arm, mirrored"}, {"of", "arm"}}})));
-  const Frame roles = page.frame(5, [](const Frame& f) { return f.indices.contains("handle: arm, mirrored"); });
-  EXPECT_EQ(roles.indices.at("handle: arm, mirrored").size(), arm.size());
+  const Frame roles = page.frame(5, [](const Frame& f) { return f.handles.contains("arm, mirrored"); });
+  EXPECT_EQ(roles.handles.at("arm, mirrored").size(), arm.size());
 
   const Json out = {{"translate", {0.3, 0, 0}}, {"rotate", {{"axis", {0, 1, 0}}, {"angle_deg", 30}}}};
   const std::vector<float> dragged = page.exact(page.ask({{"do", "drag"}, {"poses", {{"arm", out}}}})["pose"]);

@@ -10,6 +10,8 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "io/file.h"
+
 namespace meshgraft {
 namespace {
 

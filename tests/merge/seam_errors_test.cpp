@@ -48,7 +48,7 @@ TEST(Seam, RefusesWhatItCannotJoin) {
   expect_refused(good.target, good.source, {good.pairs[0], good.pairs[0]}, {}, "merge.loops_meet");
 
   expect_refused(good.target, good.source, good.pairs, {.edge_ratio = 0.5}, "merge.edge_ratio_below_one");
-  expect_refused(good.target, good.source, good.pairs, {.smoothing_steps = -1}, "core.negative");
+  expect_refused(good.target, good.source, good.pairs, {.fairings = -1}, "core.negative");
   expect_refused(good.target, good.source, good.pairs, {.target_rings = -1}, "core.negative");
   expect_refused(good.target, good.source, good.pairs, {.sharp_angle_deg = std::nan("")}, "core.out_of_range");
 

@@ -22,7 +22,7 @@ TEST(Seam, LeavesTheTargetAloneWhereAsked) {
     const SeamResult stiff =
         make_seam(graft.target, graft.source, graft.pairs, {.target_rings = 0, .source_rings = 0});
     EXPECT_TRUE(stiff.band.empty());
-    const SeamResult unsmoothed = make_seam(graft.target, graft.source, graft.pairs, {.smoothing_steps = 0});
+    const SeamResult unsmoothed = make_seam(graft.target, graft.source, graft.pairs, {.fairings = 0});
     EXPECT_TRUE(same_positions(stiff.mesh.positions, unsmoothed.mesh.positions));
   }
 }

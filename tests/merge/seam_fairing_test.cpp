@@ -65,7 +65,7 @@ TEST(SeamFairing, KeepsVerticesOutsideTheBandToTheBit) {
 
 TEST(SeamFairing, WithoutStepsMovesNothing) {
   for (const test::SeamScene& scene : test::seam_scenes(0.3))
-    EXPECT_TRUE(test::same_bytes(faired(scene, {.smoothing_steps = 0}).mesh.positions, scene.mesh.positions))
+    EXPECT_TRUE(test::same_bytes(faired(scene, {.fairings = 0}).mesh.positions, scene.mesh.positions))
         << scene.name;
 }
 

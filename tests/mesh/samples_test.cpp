@@ -167,9 +167,9 @@ TEST(Samples, CanBeCancelledAndReportProgress) {
   std::stop_source stop;
   int reports = 0;
   const Context context{.progress =
-                            [&](std::string_view, double fraction) {
+                            [&](const Progress& progress) {
                               ++reports;
-                              if (fraction > 0.4) stop.request_stop();
+                              if (progress.fraction > 0.4) stop.request_stop();
                             },
                         .stop_token = stop.get_token()};
   try {

@@ -287,6 +287,19 @@ TEST(EditFile, NamesTheFilesItNeeds) {
             (std::vector<std::string>{"folder/body.ply", "folder/a.txt", "folder/b.sel", "folder/c.def"}));
 }
 
+TEST(EditFile, ReadsTheFormerNameOfASettingAndSaysSo) {
+  const EditFile edit = parse_edit(R"({"format": "meshgraft-edit", "version": 2,
+      "inputs": {"a": {"file": "a.ply"}, "b": {"file": "b.ply"}},
+      "steps": [{"kind": "merge", "target": "a", "source": "b", "settings": {"smoothing_steps": 5}}]})",
+                                   "edit.json");
+  EXPECT_EQ(std::get<MergeStep>(edit.steps[0].action).settings.seam.fairings, 5);
+  ASSERT_EQ(edit.notes.size(), 1U);
+  EXPECT_EQ(edit.notes[0].id(), "script.former_setting");
+  EXPECT_EQ(edit.notes[0].text(),
+            "edit.json: steps[0].settings: the setting 'smoothing_steps' is called 'fairings' now");
+  EXPECT_EQ(write_edit(edit).find("smoothing_steps"), std::string::npos);
+}
+
 TEST(EditFile, ReadsTheFormerNameOfASolverAndSaysSo) {
   const std::string former = R"("settings": {"backend": "cholmod"})",
                     merge = R"({"format": "meshgraft-edit", "version": 2,

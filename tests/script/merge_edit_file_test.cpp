@@ -73,7 +73,7 @@ TEST(MergeEditFile, KeepsEveryField) {
   EXPECT_EQ(merge.settings.deformer.method, DeformMethod::rotation_aware);
   EXPECT_EQ(merge.settings.seam.strip, StripMethod::greedy);
   EXPECT_EQ(merge.settings.seam.edge_ratio, 3);
-  EXPECT_EQ(merge.settings.seam.smoothing_steps, 4);
+  EXPECT_EQ(merge.settings.seam.fairings, 4);
   EXPECT_EQ(merge.settings.seam.target_rings, 0);
   EXPECT_EQ(merge.settings.seam.sharp_angle_deg, 30);
   EXPECT_EQ(merge.counts.source_loops, (std::vector<Index>{3, 3}));

@@ -12,6 +12,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "deform/setup/memory_estimate.h"
+#include "io/file.h"
 #include "script/sha256.h"
 
 namespace meshgraft {

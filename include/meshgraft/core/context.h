@@ -6,9 +6,19 @@
 
 namespace meshgraft {
 
-/// Reports progress on the calling thread. Its arguments are the running stage's name and the fraction of
-/// that stage that is done (0 … 1, or negative where unknown). An exception that it throws ends the call.
-using ProgressCallback = std::function<void(std::string_view stage, double fraction)>;
+/// The progress of a call. The texts are valid during the report.
+struct Progress {
+  std::string_view stage;  ///< identifier of the running stage; docs/architecture.md lists all of them
+  double fraction = -1;    ///< of the stage that is done: 0 … 1, or negative where unknown
+  /// The task that the stage belongs to, if a call does several: "proxy" for the stages of the proxy in
+  /// LiveDeformer, the name of the method in a comparison; otherwise empty.
+  std::string_view within{};
+  int number = 0;  ///< number of that task, from 1; 0 if the tasks are not counted
+  int count = 0;   ///< how many tasks there are; 0 if they are not counted
+};
+
+/// Reports progress on the calling thread. An exception that it throws ends the call.
+using ProgressCallback = std::function<void(const Progress& progress)>;
 
 /// Execution settings of a long call: threads, progress and cancellation. It is passed to every long
 /// call and never kept in a global. The result of a call does not depend on it.
@@ -17,7 +27,7 @@ struct Context {
   ProgressCallback progress{};   ///< may be empty
   std::stop_token stop_token{};  ///< requests cancellation
 
-  /// Reports progress and throws Error(cancelled) if a stop was requested.
+  /// Throws Error(cancelled) if a stop was requested; otherwise reports progress.
   void step(std::string_view stage, double fraction = -1.0) const;
 
   /// Throws Error(cancelled) if a stop was requested.

@@ -37,10 +37,10 @@ struct FieldType {
   std::span<const FieldWord> words{};  ///< all that a field of the kind `word` may have
 };
 
-/// A class of facts: one row of a layer's table (src/LAYER/facts.json). docs/facts.md lists all of them.
+/// A type of fact: one row of a layer's table (src/LAYER/facts.json). docs/facts.md lists all of them.
 struct FactType {
   std::string_view id;            ///< stable name, "layer.cause", e.g. "merge.open_start"
-  std::optional<ErrorCode> code;  ///< code of the errors of this class; none for notes
+  std::optional<ErrorCode> code;  ///< code of the errors of this type; none for notes
   std::span<const FieldType> fields;
   /// Sentence in the terms of the library: the problem of an error, the text of a note. "{name}" stands for the
   /// value of a field.
@@ -48,11 +48,11 @@ struct FactType {
   std::string_view remedy;  ///< what the caller can do, with fields likewise; may be empty
 };
 
-/// Holds what an error or a note says, apart from any sentence: a class and the values of its fields. An
+/// Holds what an error or a note says, apart from any sentence: a type and the values of its fields. An
 /// interface of the product words facts in its own terms (`fill_in`). The texts here are those of the library.
 class Fact {
  public:
-  /// `values` are in the order of the class's fields. `type` must outlive the fact; the tables' types always
+  /// `values` are in the order of the type's fields. `type` must outlive the fact; the tables' types always
   /// do.
   Fact(const FactType& type, std::vector<FieldValue> values) : type_(&type), values_(std::move(values)) {}
 
@@ -88,23 +88,22 @@ using Note = Fact;
 /// Elements of a list are separated by ", ". A word is replaced by its text.
 std::string fill_in(std::string_view text, const Fact& fact);
 
-/// Holds the words of an interface for a fact: the problem or the note, and what the reader can do, which may
-/// be empty.
-struct Words {
-  std::string text, remedy;
+/// The text of a fact in the terms of an interface: the problem or the note, and what the reader can do, which
+/// may be empty.
+struct FactText {
+  std::string statement, remedy;
 };
 
 /// Words facts in the terms of one interface of the product.
-using Wording = std::function<Words(const Fact&)>;
+using Wording = std::function<FactText(const Fact&)>;
 
 /// Words facts in the terms of the library: `Fact::text` and `Fact::remedy`.
-Words library_words(const Fact& fact);
+FactText library_text(const Fact& fact);
 
-/// Returns all classes of facts that the library knows, in the order of their layers and ids.
+/// Returns all types of facts that the library knows, in the order of their layers and ids.
 std::span<const FactType* const> fact_types();
 
-/// Kinds of errors. One table (`exit_status`) maps them to the exit status of the command line; the other
-/// interfaces of the product use the same codes.
+/// Kinds of errors. All interfaces of the product use these codes.
 enum class ErrorCode {
   usage,       ///< the call or the command line is malformed
   input,       ///< a file, a mesh or an option's value is not acceptable
@@ -112,12 +111,8 @@ enum class ErrorCode {
   io,          ///< reading or writing a file failed
   memory,      ///< the machine has too little memory for the call
   cancelled,   ///< the caller asked to stop
-  internal,    ///< a defect of meshgraft
+  internal,    ///< a bug in meshgraft
 };
-
-/// Returns the process exit status for a code: usage 2, input 3, unsolvable 4, io 5, memory 6, cancelled 130,
-/// internal 70.
-int exit_status(ErrorCode code) noexcept;
 
 /// Returns the code's name in reports, e.g. "unsolvable".
 std::string_view to_string(ErrorCode code) noexcept;
@@ -126,7 +121,7 @@ std::string_view to_string(ErrorCode code) noexcept;
 /// `what()` is "location: problem. remedy", in the terms of the library.
 class Error : public std::exception {
  public:
-  /// `fact` is of a class of errors. `location` is a file, line, field or element, or empty.
+  /// `fact` is of a type with a code. `location` is a file, line, field or element, or empty.
   Error(Fact fact, std::string location = {});
 
   const char* what() const noexcept override;

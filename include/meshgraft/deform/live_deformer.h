@@ -95,8 +95,8 @@ class LiveDeformer {
   ///
   /// The threads of `context` are used by the set-up, and by frames once it is done. Until then a quick frame
   /// uses one thread, and the set-up pauses between its steps while an exact evaluation runs. `progress` is
-  /// called on the set-up's thread with the stages' own names; the prefix "proxy: " marks those of the proxy.
-  /// A requested stop has the effect of `close`.
+  /// called on the set-up's thread. `Progress::within` is "proxy" for the stages of the proxy, and otherwise
+  /// empty. A requested stop has the effect of `close`.
   LiveDeformer(DeformProblem problem, LiveCallbacks callbacks, const LiveOptions& options = {},
                const Context& context = {});
   /// Closes, and waits for the threads. Steps that cannot be interrupted take some tenths of a second at

@@ -61,10 +61,18 @@ struct DropResult {
 /// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
 /// given, it bends half as far, or not at all.
 ///
-/// Throws what `open_hole` and `merge_meshes` throw. Throws Error(input) with the id
-/// merge.dropped_source_inverted, naming `surface_point`, if the graft turns inside out in all tries (shape
-/// `similar`).
-DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options = {},
-                     const Context& context = {});
+/// Throws what `merge_meshes` throws. Throws Error(input), naming `surface_point`, `size` or the loop, in these
+/// cases:
+/// - a vertex does not exist or is on the boundary;
+/// - a point is farther from the surface than a twentieth of the target's diagonal;
+/// - `source_loop` is no boundary loop or spans no area;
+/// - a size is below a millionth of the target's;
+/// - the hole of a given size would reach a boundary, an edge of three faces, or all round the surface;
+/// - the surface is too narrow for a hole of a given size: less than 0.85 of the loop's width;
+/// - the graft turns inside out in all tries (shape `similar`; merge.dropped_source_inverted).
+/// For a hole that does not fit, the id is merge.no_hole, whose field `largest` is the largest size that fits,
+/// or merge.no_hole_at_any_size. A note of the error is the reason.
+DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop,
+                       const MergeOptions& options = {}, const Context& context = {});
 
 }  // namespace meshgraft

@@ -83,7 +83,7 @@ struct SeamOptions {
   /// Largest mean edge length of the target's loop / that of the source's. The target's ring at the seam is
   /// halved until this holds.
   double edge_ratio = 2;
-  int smoothing_steps = 2;      ///< fairings of the band, each a linear solve; 0 leaves it unchanged
+  int fairings = 2;             ///< fairings of the band, each a linear solve; 0 leaves it unchanged
   int target_rings = 3;         ///< rings of the target that they may move; 0 leaves it unchanged bit for bit
   int source_rings = 3;         ///< rings of the source that they may move
   double sharp_angle_deg = 45;  ///< edges of the target sharper than this do not move
@@ -104,8 +104,8 @@ struct MergeOptions {
   double normal_angle_deg = 0;   ///< turn of the target's normals about the tangents of its loops
   bool smooth_boundary = false;  ///< smooth ragged loops along themselves first
   bool fix_winding = false;      ///< flip the source where the direction of its loops requires it
-  /// Options of the solve. A source that follows a similarity takes more co-rotational iterations to settle than a
-  /// bend does.
+  /// Options of the solve. A source that follows a similarity takes more co-rotational iterations to settle
+  /// than a bend does.
   DeformerOptions deformer{.iterations = 60};
   SeamOptions seam{};
 };

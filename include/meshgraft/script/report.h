@@ -116,8 +116,8 @@ struct StepReport {
   /// the proxy.
   std::optional<ProxyReport> proxy;
   std::optional<SymmetryReport> symmetry;  ///< absent if not asked for
-  std::vector<std::string> handles;       ///< names; twins follow the step's own handles
-  double max_displacement = 0;            ///< model units
+  std::vector<std::string> handles;        ///< names; twins follow the step's own handles
+  double max_displacement = 0;             ///< model units
   Quality quality;
   std::vector<Note> notes;  ///< about deviations from the request
 };
@@ -147,9 +147,9 @@ struct EditReport {
 
 /// Returns the report as JSON (docs/report.md). Non-finite numbers are written as null. Sentences are in the
 /// words of an interface.
-std::string write_report(const EditReport& report, const Wording& wording = library_words);
+std::string write_report(const EditReport& report, const Wording& wording = library_text);
 
 /// Returns the findings as a JSON list, with up to ten indices each.
-std::string write_diagnostics(const Diagnostics& diagnostics, const Wording& wording = library_words);
+std::string write_diagnostics(const Diagnostics& diagnostics, const Wording& wording = library_text);
 
 }  // namespace meshgraft

@@ -143,7 +143,7 @@ const toolTable: readonly [ToolName, string, string, string][] = [
   ["lasso", "Lasso", "L", "Draw around what you want to select."],
   ["box", "Box", "M", "Drag a rectangle around what you want to select."],
   ["connected", "Connected part", "C", "Click to select all that is connected."],
-  ["loop", "Boundary loop", "O", "Click near a hole to select its rim."],
+  ["loop", "Boundary loop", "O", "Click near a hole to select its boundary."],
   ["flood", "Flood", "W", "Click to select up to the next crease."],
 ];
 
@@ -245,8 +245,8 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
       run: () => tools.togglePivot(), enabled: active, active: () => settings.movesPivot.value,
     },
     {
-      id: "pivot-reset", group: "handle", label: "Pivot back to the rim", keys: ["shift+D"],
-      help: "Puts the pivot to the centre of the handle's rim.",
+      id: "pivot-reset", group: "handle", label: "Pivot back to the boundary", keys: ["shift+D"],
+      help: "Puts the pivot to the centre of the handle's boundary.",
       run: () => tools.resetPivot(), enabled: active,
     },
     {

@@ -1,4 +1,4 @@
-import type { DocumentState, Quality, Stage } from "../protocol";
+import type { DocumentState, ProgressStage, ProgressTask, Quality, Stage } from "../protocol";
 import type { Event } from "./editor";
 import { inPanelWords } from "./wording";
 
@@ -46,40 +46,44 @@ export function liveWords(state: DocumentState | null, live: Event<"live">): Liv
   return { tone, text: live.stage === "exact" ? text : quality[0], explained: quality[1] };
 }
 
-/** Words for the engine's stages. */
-const setupWords: ReadonlyMap<string, string> = new Map([
-  ["analyse", "planning the solve"],
-  ["assemble", "setting up the equations"],
-  ["basis", "preparing quick frames"],
-  ["check", "checking the mesh"],
-  ["cut", "cutting"],
-  ["decimate", "simplifying the mesh"],
-  ["factorise", "solving the equations"],
-  ["finding the surface", "finding the surface"],
-  ["graft", "grafting"],
-  ["intersections", "looking for intersections"],
-  ["iterate", "solving"],
-  ["match", "matching the loops"],
-  ["measure", "measuring the result"],
-  ["open", "opening a hole"],
-  ["path", "finding the way along the surface"],
-  ["read", "reading the file"],
-  ["reduce", "preparing quick frames"],
-  ["refine", "refining the mesh"],
-  ["rendering", "making a picture"],
-  ["repair", "repairing the mesh"],
-  ["rotations", "turning the details"],
-  ["seam", "making the seam"],
-  ["select", "finding what is selected"],
-  ["shaping triangles", "shaping triangles"],
-  ["skin", "covering the surface"],
-  ["solve", "solving"],
-  ["weld", "welding"],
-  ["write", "writing the file"],
-]);
+/** Words for the stages of the engine's progress. */
+const progressStages: Record<ProgressStage, string> = {
+  analyse: "planning the solve",
+  assemble: "setting up the equations",
+  basis: "preparing quick frames",
+  check: "checking the mesh",
+  cut: "cutting",
+  decimate: "simplifying the mesh",
+  factorise: "solving the equations",
+  find_surface: "finding the surface",
+  graft: "grafting",
+  intersections: "looking for intersections",
+  iterate: "solving",
+  match: "matching the loops",
+  measure: "measuring the result",
+  open: "opening a hole",
+  path: "finding the way along the surface",
+  read: "reading the file",
+  reduce: "preparing quick frames",
+  refine: "refining the mesh",
+  render: "making a picture",
+  repair: "repairing the mesh",
+  rotations: "turning the details",
+  seam: "making the seam",
+  select: "finding what is selected",
+  shape_triangles: "shaping triangles",
+  skin: "covering the surface",
+  solve: "solving",
+  weld: "welding",
+  write: "writing the file",
+};
 
-/** Returns common words for a stage of the engine's progress, or the engine's own name if there are none. */
-export function stageWords(stage: string): string {
-  if (stage.startsWith("proxy: ")) return "making a preview";
-  return setupWords.get(stage) ?? stage;
+/** Words for the tasks of the engine's progress. */
+const progressTasks: Record<ProgressTask, string> = {
+  proxy: "making a preview",
+};
+
+/** Words the engine's progress: by its task, or by its stage where it has no task. */
+export function progressWords({ stage, within }: Pick<Event<"progress">, "stage" | "within">): string {
+  return within === undefined ? progressStages[stage] : progressTasks[within];
 }

@@ -18,14 +18,14 @@ export interface PageError extends Told {
 export type Failure = EngineError | PageError;
 
 /** The page's words for a fact. What is absent is worded by the engine. A note with words has its problem at least. */
-interface Words {
+interface FactText {
   problem?: string;
   remedy?: string;
 }
 
 /** Returns what to tell the user of an error of the engine. */
 export function inPanelWords(error: EngineError): Told {
-  const { problem = error.problem, remedy = error.remedy } = wordsFor(error) ?? {};
+  const { problem = error.problem, remedy = error.remedy } = textFor(error) ?? {};
   const reasons = error.notes.map(noteWords);
   return { problem, location: locationOf(error), remedy: [...reasons, remedy].filter((text) => text !== "").join(" ") };
 }
@@ -37,7 +37,7 @@ export function toldOf(failure: Failure): Told {
 
 /** Returns what to tell the user of a note, in a problem and a remedy where the page has words for it. */
 export function toldOfNote(note: Note): Told {
-  const { problem = note.text, remedy = "" } = wordsFor(note) ?? {};
+  const { problem = note.text, remedy = "" } = textFor(note) ?? {};
   return { problem, location: "", remedy };
 }
 
@@ -64,8 +64,8 @@ export function fileToReplace(failure: Failure): string | undefined {
   return (fieldsOf(failure, "io.file_exists") ?? fieldsOf(failure, "editor.file_changed"))?.file;
 }
 
-function wordsFor({ id, fields }: { id: string; fields: object }): Words | undefined {
-  const word = (words as Record<string, ((fields: object) => Words) | undefined>)[id];
+function textFor({ id, fields }: { id: string; fields: object }): FactText | undefined {
+  const word = (words as Record<string, ((fields: object) => FactText) | undefined>)[id];
   return word?.(fields);
 }
 
@@ -126,7 +126,7 @@ const curves = { curve: "curve", closed_curve: "closed curve" };
 const paths = { path: "path", closed_path: "closed path" };
 
 /** The page's words, where the engine's are not those of a window with panels. */
-const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
+const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "deform.axis_without_length": () => ({
     problem: "the axis has no length, so there is nothing to turn about",
     remedy: "Choose X, Y or Z, or type a direction such as 0, 0, 1.",
@@ -434,6 +434,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => Words } = {
   "script.former_backend": ({ former, name }) => ({
     problem: `the solver '${former}' is called '${name}' now, and that is what was used`,
   }),
+  "script.former_setting": ({ former, name }) => ({ problem: `the setting '${former}' is called '${name}' now` }),
   "script.graft_intersects": ({ pairs }) => ({
     problem: `the result cuts through itself at ${counted(pairs, "pair")} of faces; another start, size or shape may help`,
   }),

@@ -30,9 +30,19 @@ export class PartedFrames {
   }
 }
 
+type NumberArray = Float32Array | Uint32Array | Uint8Array;
+
+/** One of several arrays of a name, with the name or the number of the thing that it belongs to. */
+interface OwnedArray {
+  name: string;
+  owner: string | number;
+  array: NumberArray;
+}
+
 /** A binary message of the engine: its header and its arrays, which are views into the message's bytes. */
 export class BinaryFrame {
-  private readonly arrays = new Map<string, Float32Array | Uint32Array | Uint8Array>();
+  private readonly arrays = new Map<string, NumberArray>();
+  private readonly owned: OwnedArray[] = [];
 
   private constructor(
     readonly kind: FrameKind,
@@ -47,16 +57,28 @@ export class BinaryFrame {
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 12, length))) as FrameHeader;
     const frame = new BinaryFrame(start.getUint32(4, true), header);
     let at = 12 + length;
-    for (const { name, type, length } of header.arrays) {
+    for (const { name, of: owner, type, length } of header.arrays) {
       const array = new types[type](bytes, at, length);
-      frame.arrays.set(name, array);
+      if (owner === undefined) frame.arrays.set(name, array);
+      else frame.owned.push({ name, owner, array });
       at += 4 * Math.ceil(array.byteLength / 4);
     }
     return frame;
   }
 
-  names(): string[] {
-    return [...this.arrays.keys()];
+  /** Returns the vertices of each handle, by its name. */
+  handles(): Map<string, Uint32Array> {
+    const found = new Map<string, Uint32Array>();
+    for (const { name, owner, array } of this.owned)
+      if (name === "handle" && array instanceof Uint32Array) found.set(String(owner), array);
+    return found;
+  }
+  /** Returns the bytes of each picture, by its number. */
+  pictures(): Map<number, Uint8Array<ArrayBuffer>> {
+    const found = new Map<number, Uint8Array<ArrayBuffer>>();
+    for (const { name, owner, array } of this.owned)
+      if (name === "picture" && array instanceof Uint8Array) found.set(Number(owner), array as Uint8Array<ArrayBuffer>);
+    return found;
   }
   floats(name: string): Float32Array | undefined {
     const array = this.arrays.get(name);

@@ -73,7 +73,7 @@ export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFie
       {withPivot && (
         <Triple
           label="Pivot"
-          tip="The point that turning and scaling keep; at first the centre of the handle's rim."
+          tip="The point that turning and scaling keep; at first the centre of the handle's boundary."
           {...lengths}
           value={numbers.pivot}
           onChange={(pivot) => change({ pivot })}

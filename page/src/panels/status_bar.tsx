@@ -1,7 +1,7 @@
 import { useEffect, useState } from "preact/hooks";
 import type { Box, RunningRequest } from "../app/editor";
 import { graftWords, shownSize } from "../app/graft/graft_words";
-import { liveWords, stageWords } from "../app/live_words";
+import { liveWords, progressWords } from "../app/live_words";
 import type { Page } from "../app/page";
 import { changeLabel } from "../app/request_labels";
 import { counted, formatCount, formatPercent, formatSeconds, formatSize } from "../app/units";
@@ -128,7 +128,7 @@ function Progress({ page }: { page: Page }) {
         <Bar fraction={event?.fraction ?? -1} label={oldest.label} />
         <span class="working" role="status">
           {oldest.label}
-          {event !== undefined && event.stage !== "" ? `: ${stageWords(event.stage)}` : "…"}
+          {event !== undefined ? `: ${progressWords(event)}` : "…"}
         </span>
         <button type="button" class="cancel" onClick={() => editor.cancel(oldest.id)}>
           Cancel
@@ -140,7 +140,7 @@ function Progress({ page }: { page: Page }) {
   return (
     <>
       <Bar fraction={setup.fraction} label="Getting exact" />
-      <span class="working">{stageWords(setup.stage)}</span>
+      <span class="working">{progressWords(setup)}</span>
       <SetUpCancel page={page} />
     </>
   );

@@ -13,7 +13,7 @@ const hints: Record<ToolName, string> = {
   lasso: "Draw around what to select.",
   box: "Drag a rectangle.",
   connected: "Click a part to select all of it that is connected.",
-  loop: "Click near a hole to select its rim.",
+  loop: "Click near a hole to select its boundary.",
   flood: "Click to select up to the next crease.",
 };
 const modifierHints = { set: "Shift adds, Alt takes away.", add: "Alt takes away.", remove: "Shift adds." };

@@ -228,11 +228,11 @@ export class HandleControl {
 
   /** Returns the centre of the handle boundary at rest, which is also the engine's default pivot. */
   private pivotOf(surface: Surface, vertices: Uint32Array): Vector3 {
-    const rim = this.graphs.of(surface)?.rim(vertices) ?? vertices;
+    const boundary = this.graphs.of(surface)?.boundaryOf(vertices) ?? vertices;
     const sum = new Vector3();
     const position = new Vector3();
-    for (const v of rim) sum.add(position.fromArray(surface.rest, 3 * v));
-    return sum.divideScalar(rim.length).applyMatrix4(new Matrix4().setPosition(...surface.offset));
+    for (const v of boundary) sum.add(position.fromArray(surface.rest, 3 * v));
+    return sum.divideScalar(boundary.length).applyMatrix4(new Matrix4().setPosition(...surface.offset));
   }
 
   private freeName(): string {

@@ -128,14 +128,14 @@ export class MeshGraph {
   }
 
   /** Returns the vertices that have a neighbour outside the set; all of them if none has. */
-  rim(vertices: Uint32Array): number[] {
+  boundaryOf(vertices: Uint32Array): number[] {
     const all = [...new Set(Array.from(vertices, (v) => this.first(v)))];
     const inside = new Set(all);
-    const rim = all.filter((v) => {
+    const boundary = all.filter((v) => {
       for (const w of this.neighbours(v)) if (!inside.has(w)) return true;
       return false;
     });
-    return rim.length > 0 ? rim : all;
+    return boundary.length > 0 ? boundary : all;
   }
 
   // Dijkstra's algorithm, or A* if `goal` estimates the remaining distance.

@@ -136,7 +136,7 @@ test("a curve handle along clicked points, closed at its first", async () => {
   expect(user.complaints).toEqual([]);
 });
 
-test("the rim of a hole, from near it", async () => {
+test("the boundary of a hole, from near it", async () => {
   const { user } = harness;
   await openFresh(harness, "head");
   const positions = sampled(harness, "head");
@@ -145,8 +145,8 @@ test("the rim of a hole, from near it", async () => {
   await user.page.mouse.move(x, y - 5, { steps: 3 });
   await user.rests();
   await user.screenshot("tools-loop");
-  const rim = await selectedAfter(user, () => user.clickAt([x, y - 5]));
-  expect(rim.length).toBeGreaterThan(10);
-  const heights = rim.map((v) => positionOf(positions, v)[2]);
+  const boundary = await selectedAfter(user, () => user.clickAt([x, y - 5]));
+  expect(boundary.length).toBeGreaterThan(10);
+  const heights = boundary.map((v) => positionOf(positions, v)[2]);
   expect(Math.max(...heights) - Math.min(...heights)).toBeLessThan(0.05);
 });

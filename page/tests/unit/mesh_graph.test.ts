@@ -55,12 +55,12 @@ describe("the graph of a mesh", () => {
     expect(graph.component(20).length).toBe(49);
   });
 
-  it("finds the loop around it, and the rim of a part", () => {
+  it("finds the loop around it, and the boundary of a part", () => {
     const graph = graphOf(sheet(6));
     expect(graph.loops.map((loop) => loop.length)).toEqual([24]);
     const middle = Uint32Array.from([16, 17, 18, 23, 24, 25, 30, 31, 32]);
-    expect(graph.rim(middle)).toEqual([16, 17, 18, 23, 25, 30, 31, 32]);
-    expect(graph.rim(Uint32Array.from({ length: 49 }, (_, v) => v)).length).toBe(49);
+    expect(graph.boundaryOf(middle)).toEqual([16, 17, 18, 23, 25, 30, 31, 32]);
+    expect(graph.boundaryOf(Uint32Array.from({ length: 49 }, (_, v) => v)).length).toBe(49);
   });
 
   it("takes triangles that lie side by side, but apart, as one surface", () => {

@@ -3,7 +3,7 @@ import { describe, expect, test } from "vitest";
 import type { Box } from "../../src/app/editor";
 import { handleColour, groupColour } from "../../src/app/colours";
 import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/handle_pose";
-import { liveWords, stageWords } from "../../src/app/live_words";
+import { liveWords, progressWords } from "../../src/app/live_words";
 import { applicable, changesToDefaults, admissible, settingsTable, type NumberSetting } from "../../src/app/method_settings";
 import { axisOfPlane, coordinateOf, planeAcross } from "../../src/app/mirror_plane";
 import { compareNames, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
@@ -150,10 +150,10 @@ describe("the status line", () => {
     };
     expect(liveWords(set, { event: "live", stage: "failed", error })).toEqual({ tone: "problem", text: "nothing holds it", explained: "Fix some." });
   });
-  test("stages in common words, or their own", () => {
-    expect(stageWords("factorise")).toBe("solving the equations");
-    expect(stageWords("proxy: factorise")).toBe("making a preview");
-    expect(stageWords("knitting")).toBe("knitting");
+  test("words progress by its task, or by its stage", () => {
+    expect(progressWords({ stage: "factorise" })).toBe("solving the equations");
+    expect(progressWords({ stage: "find_surface" })).toBe("finding the surface");
+    expect(progressWords({ stage: "factorise", within: "proxy" })).toBe("making a preview");
   });
 });
 

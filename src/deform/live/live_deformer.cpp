@@ -9,7 +9,7 @@
 #include <mutex>
 #include <new>
 #include <stop_token>
-#include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -21,8 +21,10 @@
 #include "core/facts.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "core/require_between.h"
 #include "core/stopwatch.h"
 #include "deform/facts.h"
+#include "deform/setup/checks.h"
 #include "deform/setup/memory_estimate.h"
 #include "deform/setup/region_mask.h"
 #include "deform/solve/handle_frame.h"
@@ -147,7 +149,7 @@ struct LiveDeformer::Impl {
 
   // The set-up runs on its own thread.
   void build();
-  Context behind(std::string prefix = {});
+  Context behind(std::string_view task = {});
   void let_exact_pass();
   void make_proxy();
   void make_deformer();
@@ -272,13 +274,14 @@ void LiveDeformer::Impl::build() {
   }
 }
 
-/// Returns the context for work on the set-up's thread.
-Context LiveDeformer::Impl::behind(std::string prefix) {
-  const auto progress = [this, prefix = std::move(prefix)](std::string_view step, double fraction) {
+/// Returns the context for work on the set-up's thread. Its progress names the task.
+Context LiveDeformer::Impl::behind(std::string_view task) {
+  const auto report = [this, task](Progress progress) {
     let_exact_pass();
-    if (context.progress) context.progress(fmt::format("{}{}", prefix, step), fraction);
+    progress.within = task;
+    if (context.progress) context.progress(progress);
   };
-  return {context.threads, progress, stop.get_token()};
+  return {context.threads, report, stop.get_token()};
 }
 
 /// Waits for an exact evaluation, which takes half the time with all cores to itself. When a newer pose ends
@@ -297,7 +300,7 @@ void LiveDeformer::Impl::make_proxy() {
   std::shared_ptr<const ProxyDeformer> made;
   try {
     made = std::make_shared<const ProxyDeformer>(
-        problem, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy: "));
+        problem, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy"));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     return;

@@ -13,6 +13,7 @@
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
 #include "deform/solve/handle_frame.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 

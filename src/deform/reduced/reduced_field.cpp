@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "deform/solve/rotations.h"
+#include "linalg/sparse.h"
 #include "surface_samples.h"
 
 namespace meshgraft {

@@ -10,11 +10,12 @@
 #include "deform/solve/corotation.h"
 #include "deform/solve/handle_frame.h"
 #include "deform/solve/rotation_field.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 
-/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational iterations use samples of the
-/// surface, which are means over cells of vertices.
+/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational iterations use samples of
+/// the surface, which are means over cells of vertices.
 ///
 /// A solution is linear in `width()` rows of coefficients, three columns each:
 ///   4 per handle    its frame, if the field is blended by logarithms

@@ -6,9 +6,11 @@
 
 #include "core/facts.h"
 #include "core/parallel.h"
+#include "core/require_between.h"
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
 #include "deform/solve/handle_frame.h"
+#include "linalg/sparse.h"
 #include "reduced_field.h"
 #include "response_columns.h"
 

@@ -7,6 +7,8 @@
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "linalg/sparse.h"
+
 namespace meshgraft {
 
 /// A dense matrix in single precision with a row per vertex that moves. Its layout makes products with few

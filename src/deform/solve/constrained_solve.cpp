@@ -8,6 +8,7 @@
 
 #include "constrained_system.h"
 #include "deform/facts.h"
+#include "linalg/sparse.h"
 #include "operators/local_maps.h"
 #include "rotations.h"
 

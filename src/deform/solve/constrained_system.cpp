@@ -6,7 +6,9 @@
 
 #include <Eigen/Geometry>
 
+#include "core/require_between.h"
 #include "core/stopwatch.h"
+#include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
 #include "rotations.h"
 
@@ -42,8 +44,8 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
   prepare_similarities(context);
 }
 
-/// Takes over the other system's patch, rows and bisection tree. Returns false if they differ from those of this
-/// mask, or if less than half of the patch would be used. The caller then sets them up itself.
+/// Takes over the other system's patch, rows and bisection tree. Returns false if they differ from those of
+/// this mask, or if less than half of the patch would be used. The caller then sets them up itself.
 bool ConstrainedSystem::share(const ConstrainedSystem& other, const ConstrainedMesh& mesh,
                               const Context& context) {
   const CutPatch& cut = *other.cut_;

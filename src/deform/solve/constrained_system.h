@@ -13,6 +13,7 @@
 #include "deform/setup/patch_operator.h"
 #include "deform/setup/region_mask.h"
 #include "deform/setup/solvability.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 

@@ -4,6 +4,8 @@
 
 #include <meshgraft/linalg/linear_solver.h>
 
+#include "linalg/sparse.h"
+
 namespace meshgraft {
 
 // One co-rotational iteration, for all vertices of the surface or for samples of it.

@@ -7,6 +7,7 @@
 #include <meshgraft/deform/deform_problem.h>
 
 #include "constrained_system.h"
+#include "linalg/sparse.h"
 #include "surface_fields.h"
 
 namespace meshgraft {
@@ -29,7 +30,7 @@ class RotationField {
 
   const SurfaceFields& fields() const { return fields_; }
   const Points& normals() const { return *normals_; }  ///< Returns the normals of the patch at rest.
-  int iterations() const { return iterations_; }       ///< Returns the largest number of co-rotational iterations.
+  int iterations() const { return iterations_; }  ///< Returns the largest number of co-rotational iterations.
 
  private:
   static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,

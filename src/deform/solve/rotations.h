@@ -5,6 +5,13 @@
 
 namespace meshgraft {
 
+/// Returns the matrix [v]× of the cross product: [v]× w = v × w.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
 /// Returns the rotation vector (axis × angle, radians) of a rotation, with an angle of at most π.
 Eigen::Vector3d rotation_log(const Eigen::Matrix3d& rotation);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "linalg/sparse.h"
 #include "operators/laplacian.h"
 
 namespace meshgraft {
@@ -110,7 +111,8 @@ BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, c
 }
 
 SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             const std::shared_ptr<BisectionTree>& bisection, std::span<const std::uint8_t> given,
+                             const std::shared_ptr<BisectionTree>& bisection,
+                             std::span<const std::uint8_t> given,
                              std::shared_ptr<const BendingMatrix> bending_matrix, double smoothing_length_rel,
                              SolverBackend backend, const Context& context)
     : bending_(std::move(bending_matrix)), areas_(vertex_areas(points, triangles)) {
@@ -135,7 +137,8 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
   for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_);
-  smooth_solver_ = factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, backend, context);
+  smooth_solver_ =
+      factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, backend, context);
 }
 
 /// Returns whether areas raised to `smallest` are those of the bending matrix.

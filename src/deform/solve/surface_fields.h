@@ -10,6 +10,8 @@
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "linalg/sparse.h"
+
 namespace meshgraft {
 
 /// ∫ |Δf|² over a surface as a matrix K M⁻¹ K. It does not depend on where fields are given.
@@ -28,7 +30,7 @@ struct BendingMatrix {
 class SurfaceFields {
  public:
   /// `given` holds flags per vertex. The smoothing length ℓ is relative to the width of the surface between
-  /// vertices with given values. If it is negative, `smooth` must not be called. `bisection` of the rings are
+  /// vertices with given values. If it is negative, `smooth` must not be called. `bisection` of the rings is
   /// used, or filled if empty. `bending` belongs to this surface, or to a larger one that contains it. In the
   /// latter case rows within two edges of the rest of the larger surface are not used.
   SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include <meshgraft/core/context.h>
+
+namespace meshgraft::cli {
+
+/// Words progress for people: "TASK (NUMBER of COUNT): STAGE". What is not given is left out.
+std::string progress_text(const Progress& progress);
+
+}  // namespace meshgraft::cli
