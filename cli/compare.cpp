@@ -15,13 +15,11 @@
 #include "cli/facts.h"
 #include "commands.h"
 #include "core/facts.h"
+#include "io/file.h"
 #include "outputs.h"
+#include "picture.h"
 #include "script/compare.h"
 #include "wording.h"
-#ifdef MESHGRAFT_HAS_RENDER
-#include "io/file.h"
-#include "picture.h"
-#endif
 
 namespace meshgraft::cli {
 

@@ -18,17 +18,15 @@
 #include "choices.h"
 #include "cli/facts.h"
 #include "commands.h"
+#include "io/file.h"
 #include "loops.h"
 #include "mesh/sound_mesh.h"
 #include "outputs.h"
+#include "picture.h"
 #include "script/fact_json.h"
 #include "script/vector_json.h"
 #include "values.h"
 #include "wording.h"
-#ifdef MESHGRAFT_HAS_RENDER
-#include "io/file.h"
-#include "picture.h"
-#endif
 
 namespace meshgraft::cli {
 
@@ -66,7 +64,7 @@ std::string_view side_name(int side) { return side > 0 ? "above" : side < 0 ? "b
 
 // The cut that the command line asks for, parsed before the mesh is read.
 struct CutAlong {
-  std::optional<PlaneText> plane;
+  std::optional<Plane> plane;
   std::vector<Index> loop;
 };
 

@@ -12,14 +12,12 @@
 
 #include "choices.h"
 #include "cli/facts.h"
+#include "edit_picture.h"
+#include "io/file.h"
 #include "outputs.h"
 #include "script/facts.h"
 #include "summary.h"
 #include "wording.h"
-#ifdef MESHGRAFT_HAS_RENDER
-#include "edit_picture.h"
-#include "io/file.h"
-#endif
 
 namespace meshgraft::cli {
 

@@ -11,9 +11,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/script/run_edit.h>
 
-#ifdef MESHGRAFT_HAS_RENDER
 #include "picture.h"
-#endif
 
 namespace meshgraft::cli {
 

@@ -14,8 +14,8 @@ namespace {
 
 std::string_view severity_name(Severity severity) {
   switch (severity) {
-    case Severity::note: return "note";
-    case Severity::repaired: return "repaired for the solve";
+    case Severity::info: return "info";
+    case Severity::worked_around: return "worked around in the solve";
     case Severity::refused: return "refused";
   }
   return "";

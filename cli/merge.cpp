@@ -19,17 +19,15 @@
 #include "choices.h"
 #include "cli/facts.h"
 #include "commands.h"
+#include "edit_picture.h"
+#include "io/file.h"
 #include "merge/merge_conflict.h"
 #include "outputs.h"
+#include "picture.h"
 #include "selection_text.h"
 #include "summary.h"
 #include "values.h"
 #include "wording.h"
-#ifdef MESHGRAFT_HAS_RENDER
-#include "edit_picture.h"
-#include "io/file.h"
-#include "picture.h"
-#endif
 
 namespace meshgraft::cli {
 
@@ -64,8 +62,8 @@ struct MergeArguments {
 Reach reach_from(const std::string& text) {
   Reach reach;
   std::size_t count = 0;
-  if (const std::size_t rings = text.find("ring"); rings != std::string::npos) {
-    const auto given = numbers<int>(text.substr(0, rings), "--reach");
+  if (const std::size_t unit = text.find("ring"); text.ends_with("ring") || text.ends_with("rings")) {
+    const auto given = numbers<int>(text.substr(0, unit), "--reach");
     count = given.size();
     reach.rings = given.front();
   } else {
@@ -134,10 +132,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
   step.shape = arguments.run.overrides.shape.value_or(step.shape);
   if (!arguments.fix.empty()) step.fixed = selection_from(arguments.fix, source_loops(step), "--fix");
   if (!arguments.reach.empty()) step.reach = reach_from(arguments.reach);
-  if (!arguments.mirror.empty()) {
-    const PlaneText plane = parse_plane(arguments.mirror, "--mirror");
-    step.mirror = MirrorPlane{plane.point, plane.normal};
-  }
+  if (!arguments.mirror.empty()) step.mirror = parse_plane(arguments.mirror, "--mirror");
   if (!arguments.at.empty())
     step.at = drop_from(arguments.at, arguments.spin_deg.value_or(0), arguments.source_loop);
   step.size = arguments.size;

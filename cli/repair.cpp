@@ -19,13 +19,11 @@
 #include "cli/facts.h"
 #include "commands.h"
 #include "findings.h"
+#include "io/file.h"
 #include "outputs.h"
+#include "picture.h"
 #include "script/fact_json.h"
 #include "wording.h"
-#ifdef MESHGRAFT_HAS_RENDER
-#include "io/file.h"
-#include "picture.h"
-#endif
 
 namespace meshgraft::cli {
 

@@ -5,8 +5,8 @@ namespace meshgraft::cli {
 
 namespace {
 
-PlaneText plane_from(const std::string& text, const std::string& option) {
-  PlaneText plane;
+Plane plane_from(const std::string& text, const std::string& option) {
+  Plane plane;
   if (text.size() > 2 && text[1] == '=' && text[0] >= 'x' && text[0] <= 'z') {
     const auto values = numbers<double>(std::string_view(text).substr(2), option);
     if (values.size() == 1) {
@@ -24,8 +24,8 @@ PlaneText plane_from(const std::string& text, const std::string& option) {
 
 }  // namespace
 
-PlaneText parse_plane(const std::string& text, const std::string& option) {
-  const PlaneText plane = plane_from(text, option);
+Plane parse_plane(const std::string& text, const std::string& option) {
+  const Plane plane = plane_from(text, option);
   if (plane.normal.isZero(0)) throw Error(facts::cli::ZeroNormal{}, option);
   return plane;
 }

@@ -8,8 +8,6 @@
 #include <type_traits>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -38,13 +36,9 @@ std::vector<T> numbers(std::string_view text, const std::string& option, char se
   }
 }
 
-/// A plane: a point on it and its normal vector.
-struct PlaneText {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
-};
 /// Parses "x=0.5" (or y, z), or a point and a normal as px,py,pz,nx,ny,nz. Throws Error(usage) that names
 /// `option`.
-PlaneText parse_plane(const std::string& text, const std::string& option);
+Plane parse_plane(const std::string& text, const std::string& option);
 
 /// Parses two numbers from 0 on, such as "12:7". Throws Error(usage) that names `option`.
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option);

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "../mesh/box_diagonal.h"
 #include "merge/facts.h"
+#include "mesh/box_diagonal.h"
 
 namespace meshgraft {
 

@@ -76,7 +76,7 @@ FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
 }  // namespace
 
 FlatLoop flatten_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop) {
-  std::vector<Index> loop = checked_loop(source, "source", source_loop);
+  std::vector<Index> loop = checked_loop(source, facts::merge::Side::source, source_loop);
   if (windings_disagree(target, source)) std::reverse(loop.begin(), loop.end());  // it will be turned over
   return flatten(source, std::move(loop));
 }

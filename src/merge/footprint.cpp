@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include "../mesh/edge_table.h"
 #include "exponential_map.h"
 #include "merge/facts.h"
+#include "mesh/edge_table.h"
 #include "mesh/refine.h"
 
 namespace meshgraft {

@@ -23,7 +23,8 @@ namespace {
 /// The boundary loops of one of the two meshes, with a lookup of the loops at a vertex.
 class MeshLoops {
  public:
-  MeshLoops(const Mesh& mesh, const char* side) : mesh_(mesh), side_(side), loops_(boundary_loops(mesh)) {
+  MeshLoops(const Mesh& mesh, facts::merge::Side side)
+      : mesh_(mesh), side_(side), loops_(boundary_loops(mesh)) {
     for (std::size_t l = 0; l < loops_.size(); ++l)
       for (const Index v : loops_[l]) at_[v].push_back(l);
   }
@@ -84,7 +85,7 @@ class MeshLoops {
   }
 
   const Mesh& mesh_;
-  const char* side_;
+  facts::merge::Side side_;
   std::vector<std::vector<Index>> loops_;
   std::map<Index, std::vector<std::size_t>> at_;
 };
@@ -97,11 +98,12 @@ std::string pair_location(std::size_t pair, std::size_t count) {
 
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs) {
   if (pairs.empty()) throw Error(facts::merge::NoPairs{});
-  const MeshLoops target_loops(target, "target"), source_loops(source, "source");
+  const MeshLoops target_loops(target, facts::merge::Side::target),
+      source_loops(source, facts::merge::Side::source);
   std::vector<LoopPair> checked;
   std::map<Index, std::size_t> source_owner, target_owner;
   const auto claim = [](const std::vector<Index>& loop, std::map<Index, std::size_t>& owner, std::size_t p,
-                        const char* side) {
+                        facts::merge::Side side) {
     const auto [at, added] = owner.emplace(*std::min_element(loop.begin(), loop.end()), p);
     if (!added)
       throw Error(
@@ -111,13 +113,13 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
     const std::string location = pair_location(p, pairs.size());
     checked.push_back({source_loops.require_loop(pairs[p].loops.source, location),
                        target_loops.require_loop(pairs[p].loops.target, location)});
-    claim(checked.back().source, source_owner, p, "source");
-    claim(checked.back().target, target_owner, p, "target");
+    claim(checked.back().source, source_owner, p, facts::merge::Side::source);
+    claim(checked.back().target, target_owner, p, facts::merge::Side::target);
   }
   return checked;
 }
 
-std::vector<Index> checked_loop(const Mesh& mesh, const char* side, const std::vector<Index>& listed) {
+std::vector<Index> checked_loop(const Mesh& mesh, facts::merge::Side side, const std::vector<Index>& listed) {
   return MeshLoops(mesh, side).require_loop(listed, {});
 }
 

@@ -7,6 +7,7 @@
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "merge/facts.h"
 #include "pair_geometry.h"
 
 namespace meshgraft {
@@ -16,9 +17,9 @@ namespace meshgraft {
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs);
 
 /// Returns a boundary loop in the direction of its mesh's half-edges, starting at the first vertex of the
-/// list. `side` is the name of the mesh in messages. Throws Error(input) where the list is not one whole
+/// list. `side` says in errors which mesh it is. Throws Error(input) where the list is not one whole
 /// simple loop.
-std::vector<Index> checked_loop(const Mesh& mesh, const char* side, const std::vector<Index>& listed);
+std::vector<Index> checked_loop(const Mesh& mesh, facts::merge::Side side, const std::vector<Index>& listed);
 
 /// Throws Error(input) with the id merge.component_without_pair for the first component of the source that no
 /// pair constrains.

@@ -67,7 +67,8 @@ Correspondence match_by_arc_length(const PairGeometry& pair, std::span<const Mat
   for (const Match& match : matches) {
     const Knot knot{index_in(source, match.source), index_in(target, match.target)};
     if (knot.source < 0 || knot.target < 0)
-      throw Error(facts::merge::MatchNotOnLoop{.side = knot.source < 0 ? "source" : "target",
+      throw Error(facts::merge::MatchNotOnLoop{.side = knot.source < 0 ? facts::merge::Side::source
+                                                                       : facts::merge::Side::target,
                                                .vertex = knot.source < 0 ? match.source : match.target},
                   pair.location);
     knots.push_back(knot);

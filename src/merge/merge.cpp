@@ -10,8 +10,8 @@
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "../core/stopwatch.h"
 #include "boundary_condition.h"
+#include "core/stopwatch.h"
 #include "graft_within_radius.h"
 #include "loops.h"
 #include "match_loops.h"
@@ -33,8 +33,9 @@ Mesh oriented_as_target(const Mesh& source, const Mesh& target, bool may_turn) {
   if (!windings_disagree(target, source)) return source;
   if (may_turn) return turned_over(source);
   const bool target_inward = enclosed_volume(target) < 0;
-  throw Error(facts::merge::OrientationsDisagree{.inward = target_inward ? "target" : "source",
-                                                 .outward = target_inward ? "source" : "target"});
+  throw Error(facts::merge::OrientationsDisagree{
+      .inward = target_inward ? facts::merge::Side::target : facts::merge::Side::source,
+      .outward = target_inward ? facts::merge::Side::source : facts::merge::Side::target});
 }
 
 /// Removes stored cut normals of loops that are no longer open.

@@ -33,10 +33,11 @@ Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* s
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Index v = pairs[i].*side;
     if (v < 0 || v >= mesh.vertex_count())
-      throw Error(
-          facts::merge::NoSuchVertex{
-              .side = side == &Match::source ? "source" : "target", .vertex = v, .count = mesh.vertex_count()},
-          fmt::format("pairs[{}]", i));
+      throw Error(facts::merge::NoSuchVertex{.side = side == &Match::source ? facts::merge::Side::source
+                                                                            : facts::merge::Side::target,
+                                             .vertex = v,
+                                             .count = mesh.vertex_count()},
+                  fmt::format("pairs[{}]", i));
     points.row(static_cast<Eigen::Index>(i)) = mesh.positions.row(v);
   }
   return points;
@@ -66,7 +67,7 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
   return determinant < 0 ? turned_over(moved) : moved;
 }
 
-Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location) {
+Eigen::Affine3d reflection(const Plane& plane, const std::string& location) {
   const double length = plane.normal.norm();
   if (!(length > 0)) throw Error(facts::core::NormalWithoutLength{}, location);
   const Eigen::Vector3d n = plane.normal / length;
@@ -83,7 +84,9 @@ Eigen::Affine3d align_source(const Mesh& source, const Mesh& target, std::span<c
   const Points to = gathered(target, pairs, &Match::target);
   for (const Points* side : {&from, &to})
     if (on_a_line(*side))
-      throw Error(facts::merge::VerticesOnALine{.side = side == &from ? "source" : "target"}, "pairs");
+      throw Error(facts::merge::VerticesOnALine{.side = side == &from ? facts::merge::Side::source
+                                                                      : facts::merge::Side::target},
+                  "pairs");
   return Eigen::Affine3d(Eigen::umeyama(from.transpose(), to.transpose(), true));
 }
 

@@ -17,7 +17,7 @@ namespace meshgraft {
 Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& location);
 
 /// Returns the reflection in a plane. Throws Error(input), naming `location`, for a normal of zero length.
-Eigen::Affine3d reflection(const MirrorPlane& plane, const std::string& location);
+Eigen::Affine3d reflection(const Plane& plane, const std::string& location);
 
 /// Fewest pairs of vertices that determine a similarity.
 inline constexpr std::size_t fewest_aligned_pairs = 3;

@@ -11,9 +11,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
-#include "../mesh/box_diagonal.h"
 #include "core/facts.h"
 #include "merge/facts.h"
+#include "mesh/box_diagonal.h"
 
 namespace meshgraft {
 

@@ -8,8 +8,8 @@
 
 #include <meshgraft/core/error.h>
 
-#include "../mesh/edge_table.h"
 #include "merge/facts.h"
+#include "mesh/edge_table.h"
 #include "mesh/interpolate_attribute.h"
 #include "mesh/refine.h"
 

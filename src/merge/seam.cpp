@@ -11,12 +11,12 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "../mesh/area_vector.h"
-#include "../mesh/edge_table.h"
 #include "core/facts.h"
 #include "gap_fill.h"
 #include "loops.h"
 #include "merge/facts.h"
+#include "mesh/area_vector.h"
+#include "mesh/edge_table.h"
 #include "mesh/join.h"
 #include "ring_removal.h"
 #include "seam_attributes.h"
@@ -58,12 +58,13 @@ std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
 
 // Throws unless each loop is a simple boundary loop in the direction of its mesh's half-edges and shares no
 // vertex with another.
-void check_loops(const Mesh& mesh, const std::string& side, const std::vector<const Loop*>& loops) {
+void check_loops(const Mesh& mesh, facts::merge::Side side, const std::vector<const Loop*>& loops) {
+  const std::string which = side == facts::merge::Side::source ? ", source loop" : ", target loop";
   const auto steps = border_steps(mesh);
   std::unordered_map<Index, std::size_t> owner;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const Loop& loop = *loops[k];
-    const std::string location = location_of(k) + ", " + side + " loop";
+    const std::string location = location_of(k) + which;
     if (loop.size() < 3) throw Error(facts::merge::LoopTooShort{.count = loop.size()}, location);
     for (const Index v : loop) {
       if (v >= 0 && v < mesh.vertex_count()) continue;
@@ -172,8 +173,8 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
     target_loops.push_back(&pair.target);
     source_loops.push_back(&pair.source);
   }
-  check_loops(target, "target", target_loops);
-  check_loops(source, "source", source_loops);
+  check_loops(target, facts::merge::Side::target, target_loops);
+  check_loops(source, facts::merge::Side::source, source_loops);
   const std::vector<std::size_t> order = canonical_order(pairs);
 
   // Remove the rings.

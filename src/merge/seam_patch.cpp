@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include "../mesh/area_vector.h"
-#include "../mesh/edge_table.h"
-#include "../mesh/face_defects.h"
+#include "mesh/area_vector.h"
+#include "mesh/edge_table.h"
+#include "mesh/face_defects.h"
 
 namespace meshgraft {
 

@@ -9,8 +9,8 @@
 
 #include <meshgraft/mesh/topology.h>
 
-#include "../core/percentile.h"
-#include "../mesh/box_diagonal.h"
+#include "core/percentile.h"
+#include "mesh/box_diagonal.h"
 
 namespace meshgraft {
 

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-#include "../core/percentile.h"
+#include "core/percentile.h"
 #include "loop_curve.h"
 
 namespace meshgraft {

@@ -8,7 +8,7 @@
 
 #include <meshgraft/mesh/normals.h>
 
-#include "../mesh/area_vector.h"
+#include "mesh/area_vector.h"
 
 namespace meshgraft {
 

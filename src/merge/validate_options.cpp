@@ -4,10 +4,10 @@
 
 #include <meshgraft/core/error.h>
 
-#include "../mesh/box_diagonal.h"
 #include "core/facts.h"
 #include "merge/facts.h"
 #include "merge_conflict.h"
+#include "mesh/box_diagonal.h"
 
 namespace meshgraft {
 
@@ -49,7 +49,9 @@ void validate_options(const MergeOptions& options, const Mesh& source, const Mes
   require_no_conflict(options);
   for (const Index v : options.fixed)
     require(v >= 0 && v < source.vertex_count(),
-            facts::merge::NoSuchVertex{.side = "source", .vertex = v, .count = source.vertex_count()}, "fixed");
+            facts::merge::NoSuchVertex{
+                .side = facts::merge::Side::source, .vertex = v, .count = source.vertex_count()},
+            "fixed");
 }
 
 }  // namespace meshgraft

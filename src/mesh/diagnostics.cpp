@@ -114,9 +114,9 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
     }
     return has_no_area(mesh.faces[f], mesh.positions);
   };
-  add("degenerate-face", Severity::repaired, Domain::face, counted<facts::mesh::DegenerateFace>,
+  add("degenerate-face", Severity::worked_around, Domain::face, counted<facts::mesh::DegenerateFace>,
       where(faces, degenerate));
-  add("zero-area-face", Severity::repaired, Domain::face, counted<facts::mesh::ZeroAreaFace>,
+  add("zero-area-face", Severity::worked_around, Domain::face, counted<facts::mesh::ZeroAreaFace>,
       where(faces, without_area));
 
   context.step("check", 0.2);
@@ -126,22 +126,22 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
   const auto against =
       where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
-  add("isolated-vertex", Severity::repaired, Domain::vertex, counted<facts::mesh::IsolatedVertex>,
+  add("isolated-vertex", Severity::worked_around, Domain::vertex, counted<facts::mesh::IsolatedVertex>,
       where(vertices, [&](Index v) { return fans[v] == 0; }));
-  add("duplicate-vertex", Severity::repaired, Domain::vertex, counted<facts::mesh::DuplicateVertex>,
+  add("duplicate-vertex", Severity::worked_around, Domain::vertex, counted<facts::mesh::DuplicateVertex>,
       open_seam_vertices(mesh, table));
-  add("non-manifold-edge", Severity::note, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
+  add("non-manifold-edge", Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
       ends_of(table, crowded), crowded.size());
-  add("non-manifold-vertex", Severity::note, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
+  add("non-manifold-vertex", Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
       where(vertices, [&](Index v) { return fans[v] > 1; }));
-  add("duplicate-face", Severity::note, Domain::face, counted<facts::mesh::DuplicateFace>,
+  add("duplicate-face", Severity::info, Domain::face, counted<facts::mesh::DuplicateFace>,
       repeated_faces(mesh, table));
-  add("inconsistent-winding", Severity::note, Domain::vertex, counted<facts::mesh::InconsistentWinding>,
+  add("inconsistent-winding", Severity::info, Domain::vertex, counted<facts::mesh::InconsistentWinding>,
       ends_of(table, against), against.size());
   context.step("check", 0.9);
-  add("inward-facing-component", Severity::note, Domain::vertex, counted<facts::mesh::InwardFacingComponent>,
+  add("inward-facing-component", Severity::info, Domain::vertex, counted<facts::mesh::InwardFacingComponent>,
       inward_components(mesh, table, context).components);
-  add("polygon", Severity::note, Domain::face, counted<facts::mesh::Polygon>,
+  add("polygon", Severity::info, Domain::face, counted<facts::mesh::Polygon>,
       where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }));
   context.step("check", 1);
   return report;

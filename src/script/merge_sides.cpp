@@ -13,8 +13,8 @@
 
 namespace meshgraft {
 
-MergeSide::MergeSide(std::string name_, const EditFile& edit, const MeshState& state_)
-    : name(std::move(name_)),
+MergeSide::MergeSide(facts::script::Side name_, const EditFile& edit, const MeshState& state_)
+    : name(name_),
       state(state_),
       sound(state.mesh, state.diagnostics, state.label),
       context(state.mesh),

@@ -8,19 +8,20 @@
 
 #include "mesh/sound_mesh.h"
 #include "run_steps.h"
+#include "script/facts.h"
 #include "selection_resolver.h"
 
 namespace meshgraft {
 
 /// One of the two meshes of a merge step.
 struct MergeSide {
-  std::string name;  ///< "source" or "target", as in fields and messages
+  facts::script::Side name;  ///< of the two meshes
   const MeshState& state;
   SoundMesh sound;  ///< the mesh to merge; loops and selections are those of the given mesh
   SelectionMesh context;
   SelectionResolver selections;
 
-  MergeSide(std::string name_, const EditFile& edit, const MeshState& state_);
+  MergeSide(facts::script::Side name_, const EditFile& edit, const MeshState& state_);
 
   /// Refuses a vertex given by its number if it is not finite or belongs to a defective face.
   void require_sound(Index vertex, const std::string& location) const;

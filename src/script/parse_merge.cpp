@@ -69,7 +69,7 @@ DropSpec parse_drop(const Value& value) {
   return drop;
 }
 
-MirrorPlane parse_plane(const Value& value) {
+Plane parse_plane(const Value& value) {
   const Object fields(value, {"point", "normal"});
   return {fields.required("point").vector3(), fields.required("normal").direction()};
 }
@@ -260,10 +260,7 @@ EditStep parse_cut_step(const Value& value) {
   CutStep step;
   step.mesh = fields.required("mesh").name();
   fields.optional("result", [&](const Value& v) { step.result = v.name(); });
-  fields.optional("plane", [&](const Value& v) {
-    const MirrorPlane plane = parse_plane(v);
-    step.along = CutStep::Plane{plane.point, plane.normal};
-  });
+  fields.optional("plane", [&](const Value& v) { step.along = parse_plane(v); });
   fields.optional("loop", [&](const Value& v) {
     std::vector<Index> vertices = v.vertices();
     if (vertices.size() < 3)

@@ -44,8 +44,8 @@ Json solver_json(const SolverStatistics& solver) {
 
 std::string severity_word(Severity severity) {
   switch (severity) {
-    case Severity::note: return "note";
-    case Severity::repaired: return "repaired";
+    case Severity::info: return "info";
+    case Severity::worked_around: return "worked-around";
     case Severity::refused: return "refused";
   }
   return {};

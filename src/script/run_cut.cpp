@@ -6,7 +6,7 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
 
-#include "../core/stopwatch.h"
+#include "core/stopwatch.h"
 #include "mesh/sound_mesh.h"
 #include "run_steps.h"
 
@@ -15,7 +15,7 @@ namespace meshgraft {
 namespace {
 
 CutResult cut(const Mesh& mesh, const CutStep& step, const Context& context) {
-  if (const auto* plane = std::get_if<CutStep::Plane>(&step.along))
+  if (const auto* plane = std::get_if<Plane>(&step.along))
     return cut_by_plane(mesh, plane->point, plane->normal, step.options, context);
   return cut_along_loop(mesh, std::get<std::vector<Index>>(step.along), step.options, context);
 }

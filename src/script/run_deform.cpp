@@ -12,9 +12,9 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/run_edit.h>
 
-#include "../core/stopwatch.h"
 #include "baselines/baselines.h"
 #include "core/memory.h"
+#include "core/stopwatch.h"
 #include "deform/setup/memory_estimate.h"
 #include "mesh/weld.h"
 #include "refine_boundary.h"

@@ -12,7 +12,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/samples/samples.h>
 
-#include "../core/stopwatch.h"
+#include "core/stopwatch.h"
 #include "io/file.h"
 #include "run_steps.h"
 #include "script/facts.h"

@@ -11,7 +11,7 @@
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/merge/merge_options.h>
 
-#include "../core/stopwatch.h"
+#include "core/stopwatch.h"
 #include "merge/pose_source.h"
 #include "merge_sides.h"
 #include "run_steps.h"
@@ -172,7 +172,8 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
                              const MeshState& target_scene, const MeshState& source_scene)
     : location_(location) {
-  MergeSide source("source", edit, source_scene), target("target", edit, target_scene);
+  MergeSide source(facts::script::Side::source, edit, source_scene),
+      target(facts::script::Side::target, edit, target_scene);
   const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location + ".at")];
   posing_ = posing_of(step, source.sound.mesh(), target.sound.mesh(), location);
   const Mesh part = posed(source.sound.mesh(), posing_, location);
@@ -203,7 +204,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
   outcome.source = step.source;
 
   context.step("select");
-  MergeSide source("source", edit, states.at(step.source)), target("target", edit, states.at(step.target));
+  MergeSide source(facts::script::Side::source, edit, states.at(step.source)),
+      target(facts::script::Side::target, edit, states.at(step.target));
   std::vector<MergePair> pairs;
   if (step.at)
     pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, location + ".at")], {}}, {}});

@@ -263,7 +263,7 @@ Json step_json(const EditStep& edit_step, const CutStep& step) {
   if (!edit_step.about.empty()) json["about"] = edit_step.about;
   json["mesh"] = step.mesh;
   if (!step.result.empty()) json["result"] = step.result;
-  if (const auto* plane = std::get_if<CutStep::Plane>(&step.along))
+  if (const auto* plane = std::get_if<Plane>(&step.along))
     json["plane"] = plane_json(plane->point, plane->normal);
   else
     json["loop"] = std::get<std::vector<Index>>(step.along);

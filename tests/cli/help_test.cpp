@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 
 std::vector<std::string> commands() {
-  return {"info", "check", "repair", "deform", "compare", "cut", "sample", "completion", "man"};
+  return {"info", "check", "repair", "run", "deform", "compare", "cut", "merge", "sample", "completion", "man"};
 }
 
 TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
@@ -34,6 +34,8 @@ TEST_F(CommandLine, TheManualAndTheCompletionsKnowEveryCommandAndOption) {
   EXPECT_EQ(manual.find(".TH MESHGRAFT 1"), 0u);
   for (const std::string& command : commands())
     EXPECT_NE(manual.find(".SS meshgraft " + command), std::string::npos) << command;
+  EXPECT_NE(manual.find(".PP\nPairs of loops and of vertices"), std::string::npos) << "remarks are no examples";
+  EXPECT_NE(manual.find(".PP\nExamples:\n.PP\n.EX\n  meshgraft merge torso"), std::string::npos);
   for (const char* shell : {"bash", "zsh", "fish"}) {
     const Outcome outcome = run(std::string("completion ") + shell);
     EXPECT_EQ(outcome.status, 0);

@@ -42,6 +42,7 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"merge sheet.obj sheet.obj -o o.ply --reach nan", 2, "--reach: 'nan' is not a finite number"},
       {"merge sheet.obj sheet.obj -o o.ply --reach -2", 2, "--reach: '-2' is neither"},
       {"merge sheet.obj sheet.obj -o o.ply --reach 0rings", 2, "--reach: '0rings' is neither"},
+      {"merge sheet.obj sheet.obj -o o.ply --reach 5ringworm", 2, "--reach: '5ringworm' is not"},
       {"merge sheet.obj sheet.obj -o o.ply --band 1.5", 2, "--band: '1.5' is not a whole number from 0 to 100"},
       {"merge sheet.obj sheet.obj -o o.ply --mirror 0,0,0,0,0,0", 2, "--mirror: the plane's normal is zero"},
       {"merge sheet.obj sheet.obj -o o.ply --report ./o.ply", 2, "./o.ply: two outputs have this name"},

@@ -160,7 +160,7 @@ TEST_F(CommandLine, ChecksAndRepairs) {
   write("damaged.obj", sheet() + "v 3 0 0.2\nv 90 90 90\nf 1 1 1\n");
   const Outcome clean = run("check sheet.obj");
   EXPECT_EQ(clean.status, 0) << clean.out << clean.err;
-  EXPECT_NE(clean.out.find("polygon (note)"), std::string::npos) << "a form, and no defect";
+  EXPECT_NE(clean.out.find("polygon (info)"), std::string::npos) << "a form, and no defect";
   const Outcome dirty = run("check damaged.obj");
   EXPECT_EQ(dirty.status, 3);
   EXPECT_EQ(dirty.err, "") << "what was found is the answer, and no error";

@@ -17,7 +17,7 @@ namespace {
 
 std::string id_of(const Mesh& mesh, const std::vector<Index>& listed) {
   try {
-    checked_loop(mesh, "source", listed);
+    checked_loop(mesh, facts::merge::Side::source, listed);
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     return std::string(error.id());
@@ -31,10 +31,10 @@ TEST(CheckedLoop, RunsAlongHalfEdgesFromTheFirstListedVertex) {
       for (std::size_t start = 0; start < loop.size(); ++start) {
         std::vector<Index> listed = loop;
         std::rotate(listed.begin(), listed.begin() + static_cast<std::ptrdiff_t>(start), listed.end());
-        EXPECT_EQ(checked_loop(mesh, "source", listed), listed);
+        EXPECT_EQ(checked_loop(mesh, facts::merge::Side::source, listed), listed);
         std::vector<Index> backwards = listed;
         std::reverse(backwards.begin() + 1, backwards.end());
-        EXPECT_EQ(checked_loop(mesh, "source", backwards), listed);
+        EXPECT_EQ(checked_loop(mesh, facts::merge::Side::source, backwards), listed);
       }
 }
 

@@ -84,7 +84,7 @@ TEST(CheckMesh, TellsSeamsFromTouchingParts) {
   const Mesh seam =
       shapes::polygons({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}},
                        {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}});
-  expect_finding(seam, "duplicate-vertex", Severity::repaired, 4, Domain::vertex, {1, 2, 4, 6});
+  expect_finding(seam, "duplicate-vertex", Severity::worked_around, 4, Domain::vertex, {1, 2, 4, 6});
   const Mesh point = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {-1, 0, 0}, {0, -1, 0}},
                                       {{0, 1, 2}, {3, 4, 5}});
   EXPECT_FALSE(check_mesh(point).has_defects());
@@ -98,7 +98,7 @@ TEST(CheckMesh, KnowsCavitiesFromPartsInsideOut) {
     return mesh;
   };
   EXPECT_FALSE(check_mesh(shapes::together({cube(3, false), cube(1, true)})).has_defects()) << "a hollow cube";
-  expect_finding(shapes::together({cube(3, true), cube(1, false)}), "inward-facing-component", Severity::note,
+  expect_finding(shapes::together({cube(3, true), cube(1, false)}), "inward-facing-component", Severity::info,
                  1, Domain::vertex, {0});
   EXPECT_FALSE(check_mesh(turned_over(shapes::tube(6, 2))).has_defects()) << "open surfaces have no inside";
 }
@@ -119,24 +119,24 @@ TEST(CheckMesh, NamesEachDefect) {
   degenerate.faces.push_back(Indices{2, 2, 3});
   degenerate.faces.push_back(Indices{0, 1, 0, 4});
   degenerate.faces.push_back({});
-  expect_finding(degenerate, "degenerate-face", Severity::repaired, 4, Domain::face, {6, 7, 8, 9});
+  expect_finding(degenerate, "degenerate-face", Severity::worked_around, 4, Domain::face, {6, 7, 8, 9});
 
   const Mesh no_area = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
-  expect_finding(no_area, "zero-area-face", Severity::repaired, 1, Domain::face, {0});
+  expect_finding(no_area, "zero-area-face", Severity::worked_around, 1, Domain::face, {0});
 
   Mesh isolated = shapes::cube();
   shapes::add_vertex(isolated, {0, 0, 7});
-  expect_finding(isolated, "isolated-vertex", Severity::repaired, 1, Domain::vertex, {8});
+  expect_finding(isolated, "isolated-vertex", Severity::worked_around, 1, Domain::vertex, {8});
 
-  expect_finding(shapes::three_on_an_edge(), "non-manifold-edge", Severity::note, 1, Domain::vertex, {0, 1});
-  expect_finding(shapes::bow_tie(), "non-manifold-vertex", Severity::note, 1, Domain::vertex, {2});
-  expect_finding(shapes::cube(), "polygon", Severity::note, 6, Domain::face, {0, 1, 2, 3, 4, 5});
+  expect_finding(shapes::three_on_an_edge(), "non-manifold-edge", Severity::info, 1, Domain::vertex, {0, 1});
+  expect_finding(shapes::bow_tie(), "non-manifold-vertex", Severity::info, 1, Domain::vertex, {2});
+  expect_finding(shapes::cube(), "polygon", Severity::info, 6, Domain::face, {0, 1, 2, 3, 4, 5});
 
   Mesh wound_against = shapes::grid(2, 1);
   wound_against.faces = {};
   wound_against.faces.push_back(Indices{0, 1, 4, 3});
   wound_against.faces.push_back(Indices{1, 4, 5, 2});
-  expect_finding(wound_against, "inconsistent-winding", Severity::note, 1, Domain::vertex, {1, 4});
+  expect_finding(wound_against, "inconsistent-winding", Severity::info, 1, Domain::vertex, {1, 4});
 }
 
 TEST(CheckMesh, MeasuresAreaAgainstTheFaceAndThePrecision) {

@@ -300,7 +300,7 @@ TEST(Repair, EndsForAnyFaces) {
     const TopologySummary topology = summarise_topology(result.mesh);
     EXPECT_TRUE(topology.manifold);
     for (const Finding& finding : check_mesh(result.mesh).findings)
-      EXPECT_EQ(finding.severity, Severity::note) << finding.name << ": " << finding.description();
+      EXPECT_EQ(finding.severity, Severity::info) << finding.name << ": " << finding.description();
     EXPECT_FALSE(repair(result.mesh).changed());
     if (HasFailure()) break;
   }

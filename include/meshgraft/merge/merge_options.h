@@ -38,11 +38,6 @@ struct OpenStart {
 /// std::out_of_range for other facts.
 std::vector<OpenStart> open_starts(const Fact& fact);
 
-/// A plane through `point`; the normal need not have unit length.
-struct MirrorPlane {
-  Eigen::Vector3d point, normal;
-};
-
 /// The origin of the source's position, orientation and scale.
 enum class MergePose {
   find,  ///< from the boundary alone (FT05 5.1, pose-independent)

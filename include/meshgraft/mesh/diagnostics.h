@@ -12,15 +12,15 @@
 namespace meshgraft {
 
 enum class Severity {
-  note,      ///< worth knowing, changes nothing
-  repaired,  ///< worked around for the solve; the file is not changed
-  refused,   ///< the edit fails where it reaches this
+  info,           ///< worth knowing, changes nothing
+  worked_around,  ///< has no effect on the solve; the file is not changed
+  refused,        ///< the edit fails where it reaches this
 };
 
 /// One kind of defect, and the elements where it was found.
 struct Finding {
   std::string name;  ///< stable identifier, e.g. "non-manifold-edge"
-  Severity severity = Severity::note;
+  Severity severity = Severity::info;
   Index count = 0;                 ///< number of defects; for edges not that of `indices`
   Domain domain = Domain::vertex;  ///< elements that `indices` refer to
   /// All affected elements (for edges their ends), ascending; people see the first few.
@@ -49,7 +49,7 @@ struct Diagnostics {
 /// - "non-finite": vertices with a coordinate that is not a finite number;
 /// - "index-out-of-range": faces with the index of a vertex that does not exist.
 ///
-/// Repaired, that is, worked around for the solve:
+/// Worked around in the solve:
 /// - "degenerate-face": faces with fewer than three corners or with a repeated vertex. Repeated corners are
 ///   skipped; a face with fewer than three left gives no triangle;
 /// - "zero-area-face": faces without area. Their edges still join their vertices; normals leave them out;
@@ -58,7 +58,7 @@ struct Diagnostics {
 ///   coincide. They come from a soup of faces or from an open seam. Components that touch in points without
 ///   such edges are no finding.
 ///
-/// Notes, because the operator reads rings, which need neither fans nor consistent orientation:
+/// Infos, because the operator reads rings, which need neither fans nor consistent orientation:
 /// - "non-manifold-edge": edges with more than two faces (`count` edges; `indices` their ends);
 /// - "non-manifold-vertex": vertices with more than one fan;
 /// - "duplicate-face": faces with the corners of an earlier one, from any corner on and in either direction;

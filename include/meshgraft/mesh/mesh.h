@@ -98,6 +98,11 @@ struct Mesh {
 /// Makes a mesh of triangles without attributes from n×3 positions and m×3 triangles.
 Mesh make_mesh(const Points& positions, const Triangles& triangles);
 
+/// A plane through `point`; the normal need not have unit length.
+struct Plane {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::Zero();
+};
+
 /// The origin of an element of a new mesh between two old ones: (1 − t)·from + t·to.
 struct EdgePoint {
   Index from = -1, to = -1;

@@ -64,12 +64,12 @@ struct NamedSelection {
   std::string colour{};  ///< drawing colour, "#rrggbb"; empty: none
 };
 
-/// A mesh that an edit starts from: a file or a built-in sample.
+/// A mesh that an edit starts from: a file or a built-in model.
 struct EditInput {
   std::string name;
   std::string file;                   ///< relative to the edit file; empty for a sample
   std::optional<std::string> sha256;  ///< SHA-256 of the file's bytes, 64 lower-case hexadecimal digits
-  std::string sample;                 ///< name of a built-in sample; empty for a file
+  std::string sample;                 ///< name of a built-in model; empty for a file
   int resolution = 0;                 ///< resolution of the sample; 0 = its default
 };
 
@@ -114,7 +114,7 @@ struct AnchorSpec {
 
 /// Symmetric editing: the edits of a deform step on one side of a plane are mirrored to the other side.
 struct SymmetrySpec {
-  MirrorPlane plane;
+  Plane plane;
   /// Largest distance of a vertex from the mirror image of its partner, × the diagonal of the mesh's bounding
   /// box.
   double tolerance_rel = 1e-3;
@@ -143,7 +143,8 @@ struct DeformStep {
   std::string mesh;      ///< name of an input or of an earlier step's result
   std::string result;    ///< name of the resulting mesh; empty = the same name
   EditSelection region;  ///< region of interest
-  /// Absent: two rings of the region along its boundary with the rest, without handles.
+  /// Absent: two rings of the region along its boundary with the rest, without the
+  /// vertices of handles, targets and transforms.
   std::optional<EditSelection> fixed;
   std::vector<HandleSpec> handles;
   std::vector<TargetSpec> targets;        ///< positions per vertex
@@ -209,7 +210,7 @@ struct MergeStep {
   std::vector<MatchSpec> matches;
   std::optional<DropSpec> at;  ///< drop, used instead of `pairs`
   /// Pose of the source before the merge: first this mirror, then one of the next two.
-  std::optional<MirrorPlane> mirror;
+  std::optional<Plane> mirror;
   std::optional<Eigen::Matrix4d> source_transform;
   std::vector<MatchSpec> align;  ///< pairs for `align_source`
   std::optional<double> size;
@@ -225,9 +226,6 @@ struct MergeStep {
 
 /// Cuts a mesh open.
 struct CutStep {
-  struct Plane {
-    Eigen::Vector3d point, normal;
-  };
   std::string mesh;
   std::string result;                             ///< name of the resulting mesh; empty = the same name
   std::variant<Plane, std::vector<Index>> along;  ///< a plane, or the vertices of a closed curve
