@@ -133,7 +133,7 @@ void run_live(benchmark::State& state, const BenchEdit& edit, DeformMethod metho
     std::atomic<double> first = 0, quick = 0;  // set on the frames' thread
     const auto on_frame = [&](const LiveFrame& frame) {
       if (first == 0) first = watch.seconds();
-      if (frame.quality != FrameQuality::exact) quick = frame.seconds;
+      if (frame.accuracy != FrameAccuracy::exact) quick = frame.seconds;
     };
     LiveDeformer live({edit.positions, edit.triangles, one.region}, {on_frame, {}}, options);
     live.drag(one.poses);

@@ -49,14 +49,14 @@ class Recorder {
   struct Entry {
     double at;
     std::int64_t pose;
-    FrameQuality quality;
+    FrameAccuracy accuracy;
     double seconds;
     std::optional<double> error;
   };
   LiveCallbacks callbacks() {
     return {[this](const LiveFrame& frame) {
               const std::lock_guard lock(mutex_);
-              entries_.push_back({now(), frame.pose, frame.quality, frame.seconds, frame.error_rel});
+              entries_.push_back({now(), frame.pose, frame.accuracy, frame.seconds, frame.error_rel});
             },
             [](std::int64_t pose, const Error& error) { fmt::print("pose {}: {}\n", pose, error.what()); }};
   }
@@ -116,12 +116,12 @@ void run_drag(const BenchEdit& edit, const LiveOptions& options) {
   const double rested = now();
   live.wait_until_exact();
   const double exact = now();
-  std::map<std::pair<LiveStage, FrameQuality>, Frames> by_stage;
+  std::map<std::pair<LiveStage, FrameAccuracy>, Frames> by_stage;
   for (const Recorder::Entry& entry : recorder.entries()) {
     if (entry.at > rested) continue;
     const auto after = std::upper_bound(stages.begin(), stages.end(), entry.at,
                                         [](double at, const auto& stage) { return at < stage.first; });
-    Frames& frames = by_stage[{(after - 1)->second, entry.quality}];
+    Frames& frames = by_stage[{(after - 1)->second, entry.accuracy}];
     frames.seconds.push_back(entry.seconds);
     frames.lags.push_back(entry.at - asked[static_cast<std::size_t>(entry.pose)]);
   }

@@ -56,13 +56,18 @@ std::string argument_entry(const CLI::Option& argument) {
                      roff(argument.get_description()));
 }
 
-// Returns the examples of a command. Its footer consists of a heading line and indented commands.
-std::string examples_of(const CLI::App& command) {
+// Returns the remarks and examples of a command. Its footer has paragraphs of remarks, a blank line, then a
+// heading line and indented commands.
+std::string footer_section(const CLI::App& command) {
   const std::string footer = command.get_footer();
-  const std::size_t end_of_heading = footer.find('\n');
+  const std::size_t end_of_remarks = footer.rfind("\n\n");
+  const std::size_t heading = end_of_remarks == std::string::npos ? 0 : end_of_remarks + 2;
+  const std::size_t end_of_heading = footer.find('\n', heading);
   if (end_of_heading == std::string::npos) return {};
-  return fmt::format(".PP\n{}\n.PP\n.EX\n{}\n.EE\n", roff(footer.substr(0, end_of_heading)),
-                     roff(footer.substr(end_of_heading + 1)));
+  const std::string remarks = heading == 0 ? "" : ".PP\n" + roff(footer.substr(0, end_of_remarks)) + "\n";
+  return remarks + fmt::format(".PP\n{}\n.PP\n.EX\n{}\n.EE\n",
+                               roff(footer.substr(heading, end_of_heading - heading)),
+                               roff(footer.substr(end_of_heading + 1)));
 }
 
 std::string command_section(const CLI::App& command) {
@@ -70,7 +75,7 @@ std::string command_section(const CLI::App& command) {
                                  usage_of(command), roff(command.get_description()));
   for (const CLI::Option* argument : arguments_of(command)) text += argument_entry(*argument);
   for (const CLI::Option* option : dashed_options(command)) text += option_entry(*option);
-  return text + examples_of(command);
+  return text + footer_section(command);
 }
 
 std::string exit_section() {
@@ -83,6 +88,7 @@ std::string exit_section() {
          entry(exit_status(ErrorCode::unsolvable), "The edit has no unique solution.") +
          entry(exit_status(ErrorCode::io), "A file cannot be read or written.") +
          entry(exit_status(ErrorCode::memory), "The machine has too little memory for it.") +
+         entry(exit_status(ErrorCode::internal), "A bug in meshgraft.") +
          entry(exit_status(ErrorCode::cancelled), "Stopped by Ctrl\\-C; nothing was written.");
 }
 

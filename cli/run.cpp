@@ -25,7 +25,7 @@ void add_run(CLI::App& program, Action& action) {
                          "How sources deform: only within the reach (similar), or as in the paper (ft05)");
   command->add_flag("--strict", arguments->run.strict, "Fail where a merge's result intersects itself");
   command->footer(
-      "Without -o and --save nothing is written: it tells what the edit does.\n\n"
+      "Without -o and --save no mesh is written: it tells what the edit does.\n\n"
       "Example:\n  meshgraft run edit.json -o whole.ply --save body=body.ply");
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_edit_file(*arguments, context); };

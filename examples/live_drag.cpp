@@ -26,7 +26,7 @@ int main() {
 
   const auto show = [](const LiveFrame& frame) {
     std::printf("pose %d, %s, %.0f ms\n", static_cast<int>(frame.pose),
-                std::string(to_string(frame.quality)).c_str(), 1e3 * frame.seconds);
+                std::string(to_string(frame.accuracy)).c_str(), 1e3 * frame.seconds);
   };
   LiveDeformer live({rest, triangles, region}, {.frame = show});
   for (int step = 1; step <= 20; ++step) {

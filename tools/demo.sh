@@ -12,15 +12,11 @@ if [ ! -e "${edits[0]}" ]; then
   exit 1
 fi
 
-# The command for an edit: a file with a merge step is run by `merge`.
-command_of() { grep -q '"kind": "merge"' "$1" && echo merge || echo deform; }
-
 for edit in "${edits[@]}"; do
   name=$(basename "$edit" .json)
-  command=$(command_of "$edit")
   echo
-  echo "$program $command $edit -o $out/$name.ply --report $out/$name.report.json --picture $out/$name.png"
-  "$program" "$command" "$edit" -o "$out/$name.ply" --report "$out/$name.report.json" --picture "$out/$name.png"
+  echo "$program run $edit -o $out/$name.ply --report $out/$name.report.json --picture $out/$name.png"
+  "$program" run "$edit" -o "$out/$name.ply" --report "$out/$name.report.json" --picture "$out/$name.png"
 done
 
 echo

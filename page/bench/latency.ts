@@ -190,9 +190,9 @@ function tellStretches(records: Records): void {
     process.stderr.write(`  ${kind}: ${all.length}, sum ${sum.toFixed(0)} ms, ${spread(all)}, most ${Math.max(0, ...all).toFixed(1)}\n`);
   }
   for (const picture of records.pictures.slice(-8)) process.stderr.write(`  ${JSON.stringify(picture)}\n`);
-  const qualities = [...new Set(records.arrivals.map(({ quality }) => quality))];
-  for (const quality of qualities)
-    process.stderr.write(`  frames ${quality}: ${records.arrivals.filter((one) => one.quality === quality).length}\n`);
+  const accuracies = [...new Set(records.arrivals.map(({ accuracy }) => accuracy))];
+  for (const accuracy of accuracies)
+    process.stderr.write(`  frames ${accuracy}: ${records.arrivals.filter((one) => one.accuracy === accuracy).length}\n`);
 }
 
 function table(heads: readonly string[], rows: readonly string[][]): string {

@@ -17,7 +17,7 @@ export interface Asked {
 /** A frame of positions that was received. */
 export interface Arrival {
   pose: number;
-  quality: string;
+  accuracy: string;
   engineMs: number;
   received: number;
 }
@@ -109,9 +109,9 @@ export function recordPictures(): void {
   viewport.show = (frame) => {
     const received = performance.now();
     show(frame);
-    const { pose, quality, seconds } = frame.header;
+    const { pose, accuracy, seconds } = frame.header;
     if (frame.kind !== 2 || pose === undefined) return;
-    streamed = { pose, quality: quality ?? "", engineMs: 1000 * (seconds ?? 0), received };
+    streamed = { pose, accuracy: accuracy ?? "", engineMs: 1000 * (seconds ?? 0), received };
     records.arrivals.push(streamed);
   };
   let begun: Picture | undefined;

@@ -41,11 +41,11 @@ function with_shared_fields({ allOf, ...part }) {
 }
 
 // Kinds of binary messages are numbers with names.
-const { frame_kind: frameKind, ...described } = schema.$defs;
-const frameKinds = [
-  `/** ${frameKind.description.split(".")[0]}. */`,
-  "export enum FrameKind {",
-  ...frameKind.oneOf.map(({ const: number, title, description }) => `  /** ${description} */\n  ${title} = ${number},`),
+const { message_kind: messageKind, ...described } = schema.$defs;
+const messageKinds = [
+  `/** ${messageKind.description.split(".")[0]}. */`,
+  "export enum MessageKind {",
+  ...messageKind.oneOf.map(({ const: number, title, description }) => `  /** ${description} */\n  ${title} = ${number},`),
   "}",
   "",
 ].join("\n");
@@ -70,4 +70,4 @@ const types = await compile(root, "Protocol", {
   additionalProperties: false,
   ignoreMinAndMaxItems: false,
 });
-await writeFile(at("../src/protocol.ts"), types + frameKinds);
+await writeFile(at("../src/protocol.ts"), types + messageKinds);

@@ -10,13 +10,13 @@
 
 #include <meshgraft/core/error.h>
 
-#include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
 #include "core/parallel.h"
 #include "deform/facts.h"
 #include "deform/setup/checks.h"
 #include "deform/setup/region_mask.h"
 #include "linalg/sparse.h"
+#include "mesh/disjoint_sets.h"
 
 namespace meshgraft::baselines {
 

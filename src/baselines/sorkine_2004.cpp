@@ -7,10 +7,10 @@
 
 #include <meshgraft/core/error.h>
 
-#include "../mesh/disjoint_sets.h"
 #include "baselines/facts.h"
 #include "deform/solve/rotations.h"
 #include "linalg/sparse.h"
+#include "mesh/disjoint_sets.h"
 #include "methods.h"
 #include "operators/laplacian.h"
 

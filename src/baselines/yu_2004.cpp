@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
-#include "../mesh/disjoint_sets.h"
 #include "deform/solve/rotations.h"
+#include "mesh/disjoint_sets.h"
 #include "methods.h"
 
 namespace meshgraft::baselines {

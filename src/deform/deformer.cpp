@@ -11,9 +11,9 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
-#include "../core/stopwatch.h"
 #include "core/facts.h"
 #include "core/memory.h"
+#include "core/stopwatch.h"
 #include "deform/facts.h"
 #include "deform/setup/checks.h"
 #include "deform/setup/memory_estimate.h"

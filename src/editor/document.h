@@ -49,13 +49,13 @@ Error in_file(const Error& error, const std::filesystem::path& file);
 /// Returns an edit with one input (as in `inputs` of an edit file) and one step that does nothing yet.
 Json new_edit(const std::string& name, const Json& input);
 
-/// Returns the index of the step in work: the last step, if it is a deformation or a graft. Returns nothing
+/// Returns the index of the current step: the last step, if it is a deformation or a graft. Returns nothing
 /// where the last step is a cut.
 std::optional<std::size_t> step_in_work(const EditFile& edit);
 const DeformStep* deform_in_work(const EditFile& edit);
 const MergeStep* merge_in_work(const EditFile& edit);
 
-/// Returns the name of the mesh that the step in work deforms or grafts onto; without such a step, the name
+/// Returns the name of the mesh that the current step deforms or grafts onto; without such a step, the name
 /// of the edit's outcome.
 const std::string& model_of(const EditFile& edit);
 

@@ -9,7 +9,7 @@
 #include "core/facts.h"
 #include "editor/facts.h"
 #include "graft_actions.h"
-#include "mesh_frames.h"
+#include "mesh_messages.h"
 #include "script/parse_parts.h"
 #include "selecting.h"
 #include "worker.h"
@@ -131,7 +131,7 @@ Json Worker::group(const json::Value& message, const Context& context) {
     set_colour(document, name, colour);
   else
     set_group(document, name, selection_or(fields, open_one().selection.on->name), colour);
-  return change(removes ? "remove group" : keeps ? "colour" : "group", document, context);
+  return change(removes ? "remove_group" : keeps ? "colour" : "group", document, context);
 }
 
 Json Worker::paint_handle(const json::Value& message, const Context& context) {
@@ -151,7 +151,7 @@ Json Worker::paint_handle(const json::Value& message, const Context& context) {
   handle.pose = workspace.view().pose_as_shown(vertices);
   Json document = workspace.document().json;
   const std::string name = add_handle(document, handle);
-  return change("paint handle", document, context, {{"name", name}, {"reach", *handle.reach}});
+  return change("paint_handle", document, context, {{"name", name}, {"reach", *handle.reach}});
 }
 
 Json Worker::reach(const json::Value& message, const Context& context) {
@@ -189,11 +189,11 @@ Json Worker::handle(const json::Value& message, const Context& context) {
   Json document = open_one().document().json;
   if (what == What::remove) {
     remove_handle(document, fields.required("name").name());
-    return change("remove handle", document, context);
+    return change("remove_handle", document, context);
   }
   if (what == What::rename) {
     rename_handle(document, fields.required("name").name(), fields.required("to").name());
-    return change("rename handle", document, context);
+    return change("rename_handle", document, context);
   }
   NewHandle added;
   added.shape = "region";
@@ -207,7 +207,7 @@ Json Worker::handle(const json::Value& message, const Context& context) {
   added.pose = view.pose_as_shown(select_vertices(json::Value(added.select, "select"), open_one().document(),
                                                   view.base(), shared_.folders));
   const std::string name = add_handle(document, added);
-  return change("add handle", document, context, {{"name", name}});
+  return change("add_handle", document, context, {{"name", name}});
 }
 
 Json Worker::drag(const json::Value& message, const Context&) {

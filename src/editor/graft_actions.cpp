@@ -36,7 +36,7 @@ bool is_alone_about(const EditStep& step, const std::string& name) {
   return !std::holds_alternative<MergeStep>(step.action) && mesh_of(step) == name && outcome_of(step) == name;
 }
 
-// Ends the step in work and returns the name of the model from then on. Removes the step where it does
+// Ends the current step and returns the name of the model from then on. Removes the step where it does
 // nothing.
 std::string end_step_in_work(Json& document, const EditFile& edit) {
   const DeformStep* step = deform_in_work(edit);

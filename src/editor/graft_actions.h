@@ -8,7 +8,7 @@
 namespace meshgraft::editor {
 
 // Changes of a document as JSON that concern parts, cuts and grafts; `edit` is the document before the
-// change. A step in work that does nothing yet is removed; otherwise it is kept and thereby ended.
+// change. A current step that does nothing yet is removed; otherwise it is kept and thereby ended.
 
 /// Throws Error(usage) with the id editor.graft_in_work where a graft is in work.
 void require_no_graft(const EditFile& edit, const std::string& what);
@@ -40,7 +40,7 @@ void cancel_graft(Json& document, const EditFile& edit);
 /// Exchanges target and source, with the pairs. Removes the fields that apply to one of them only.
 void swap_graft(Json& document, const EditFile& edit);
 
-/// Returns whether a graft before the step in work uses this mesh.
+/// Returns whether a graft before the current step uses this mesh.
 bool is_grafted(const EditFile& edit, const std::string& name);
 
 }  // namespace meshgraft::editor

@@ -9,8 +9,8 @@
 
 #include "editor/facts.h"
 #include "graft_actions.h"
-#include "graft_frames.h"
-#include "mesh_frames.h"
+#include "graft_messages.h"
+#include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "worker.h"
 
@@ -78,12 +78,12 @@ Json Worker::part(const json::Value& message, const Context& context) {
   Json document = open_one().document().json;
   if (what == What::remove) {
     remove_part(document, edit, fields.required("name").name());
-    return change("remove part", document, context);
+    return change("remove_part", document, context);
   }
   if (what == What::edit) {
     require_no_graft(edit, "part");
     edit_part(document, edit, fields.required("name").name());
-    return change("edit part", document, context);
+    return change("edit_part", document, context);
   }
   require_one_of(message, {"path", "sample", "upload"});
   Json input;
@@ -102,7 +102,7 @@ Json Worker::part(const json::Value& message, const Context& context) {
   const bool is_named = fields.has("name");
   if (is_named) name = fields.required("name").name();
   const std::string part = add_part(document, edit, input, name, !is_named);
-  Json result = change("add part", document, context, {{"name", part}});
+  Json result = change("add_part", document, context, {{"name", part}});
   result["notes"] = to_json(open_one().defects(part, shared_.upload_folder));
   return result;
 }
@@ -167,8 +167,8 @@ Json Worker::graft(const json::Value& message, const Context& context) {
   if (what == What::set) document = with_graft(given);
   if (what == What::cancel) cancel_graft(document, edit);
   if (what == What::swap) swap_graft(document, edit);
-  open_one().change(what == What::cancel ? "cancel graft"
-                    : starts             ? "start graft"
+  open_one().change(what == What::cancel ? "cancel_graft"
+                    : starts             ? "start_graft"
                                          : "graft",
                     document, context);
   tell_state();

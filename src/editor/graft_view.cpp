@@ -9,7 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge_options.h>
 
-#include "graft_frames.h"
+#include "graft_messages.h"
 #include "merge/facts.h"
 
 namespace meshgraft::editor {

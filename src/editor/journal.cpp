@@ -1,6 +1,8 @@
 #include "journal.h"
 
+#include <algorithm>
 #include <chrono>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -45,6 +47,13 @@ std::error_code lock_within(platform::File& file, std::chrono::milliseconds wait
   }
 }
 
+// Returns the name of a line's change. Journals of earlier versions have blanks in it.
+std::string change_of(const Json& line) {
+  std::string change = line.at("label");
+  std::replace(change.begin(), change.end(), ' ', '_');
+  return change;
+}
+
 // Applies a line of a journal; returns false where it is not valid.
 bool take_line(const Json& line, std::optional<JournalContent>& content) {
   if (!content) {
@@ -61,10 +70,10 @@ bool take_line(const Json& line, std::optional<JournalContent>& content) {
     if (!history.can_redo()) return false;
     history.redo();
   } else if (line.contains("document")) {
-    history.add(line.at("label"), line.at("document"));
+    history.add(change_of(line), line.at("document"));
   } else {
     const Json patched = Json::parse(history.current()).patch(line.at("patch"));
-    history.add(line.at("label"), make_document(patched, {}).text);
+    history.add(change_of(line), make_document(patched, {}).text);
   }
   ++content->changes;
   content->saved = false;

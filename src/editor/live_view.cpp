@@ -15,7 +15,7 @@
 #include "core/memory.h"
 #include "deform/setup/memory_estimate.h"
 #include "editor/facts.h"
-#include "mesh_frames.h"
+#include "mesh_messages.h"
 #include "script/symmetry.h"
 
 namespace meshgraft::editor {
@@ -209,9 +209,9 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
     if (first < 0) return;
     frame.pose += first;
     exact->take(frame.pose, frame);
-    if (frame.quality == FrameQuality::exact || !*exact_alone)
+    if (frame.accuracy == FrameAccuracy::exact || !*exact_alone)
       outbox.send(position_frame(*base, *moving, frame), "frame");
-    Json fields = {{"pose", frame.pose}, {"quality", to_string(frame.quality)}, {"seconds", frame.seconds}};
+    Json fields = {{"pose", frame.pose}, {"accuracy", to_string(frame.accuracy)}, {"seconds", frame.seconds}};
     if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
     outbox.tell("live", std::move(fields), "live");
   };
@@ -246,12 +246,12 @@ void LiveView::run_exactly(const Document& document, const Context& context) {
   const StepReport report =
       run_step(document.edit, step, location_of(document), states, {.estimate_condition = false}, context);
   const auto positions = std::make_shared<const Points>(states.at(outcome_of(step)).mesh.positions);
-  const LiveFrame frame{++last_pose_, positions, FrameQuality::exact, report.seconds.total};
+  const LiveFrame frame{++last_pose_, positions, FrameAccuracy::exact, report.seconds.total};
   outcome_ = std::make_shared<const MeshState>(std::move(states.at(outcome_of(step))));
   exact_->take(frame.pose, frame);
   outbox_.send(position_frame(*base_, *shown_.moving, frame), "frame");
   outbox_.tell("live",
-               {{"stage", "ready"}, {"pose", frame.pose}, {"quality", "exact"}, {"seconds", frame.seconds}});
+               {{"stage", "ready"}, {"pose", frame.pose}, {"accuracy", "exact"}, {"seconds", frame.seconds}});
 }
 
 HandlePose LiveView::pose_of(const PoseSpec& spec, const ShownHandle& shown) const {
@@ -308,7 +308,7 @@ void LiveView::ExactFrame::expect(std::int64_t next) {
 void LiveView::ExactFrame::take(std::int64_t number, const LiveFrame& frame) {
   const std::lock_guard lock(mutex);
   last = frame.positions;
-  if (number != pose || frame.quality != FrameQuality::exact) return;
+  if (number != pose || frame.accuracy != FrameAccuracy::exact) return;
   positions = frame.positions;
   changed.notify_all();
 }

@@ -27,7 +27,7 @@ struct ShownHandle {
   std::vector<Index> rim;  ///< vertices of the handle boundary: they have a neighbour outside
 };
 
-/// Shows the effect of the step in work on the mesh, during a drag and afterwards. Sends the mesh, the roles
+/// Shows the effect of the current step on the mesh, during a drag and afterwards. Sends the mesh, the roles
 /// of its vertices, and frames. Call it from one thread only.
 class LiveView {
  public:
@@ -92,7 +92,7 @@ class LiveView {
   void drag_to(const std::vector<HandlePose>& poses, bool exact_alone = false);
 
   // The exact frame of the document's poses, written by the deformer's thread, and the last frame of any
-  // quality.
+  // accuracy.
   struct ExactFrame {
     std::mutex mutex;
     std::condition_variable changed;

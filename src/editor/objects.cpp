@@ -10,7 +10,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "editor/facts.h"
-#include "graft_frames.h"
+#include "graft_messages.h"
 #include "script/sha256.h"
 
 namespace meshgraft::editor {
@@ -86,7 +86,7 @@ Json selections_used(const Json& document, const Json& json) {
   return used;
 }
 
-const std::shared_ptr<const Object>& Stage::named(const std::string& name) const {
+const std::shared_ptr<const Object>& StepInputs::named(const std::string& name) const {
   if (model->name == name) return model;
   for (const auto& part : parts)
     if (part->name == name) return part;
@@ -166,12 +166,12 @@ std::shared_ptr<const Object> Objects::object(const std::string& name, const std
   return made;
 }
 
-Stage Objects::before(const Document& document, const Context& context) {
+StepInputs Objects::before(const Document& document, const Context& context) {
   const EditFile& edit = document.edit;
   const std::size_t count = step_in_work(edit).value_or(edit.steps.size());
   const Keys keys(document);
   const std::string model = model_of(edit);
-  Stage stage;
+  StepInputs stage;
   for (const std::string& name : names_after(edit, count)) {
     auto found = object(name, keys.of(name, count), state(document, name, count, keys, context));
     if (name == model)

@@ -20,7 +20,7 @@
 
 namespace meshgraft::editor {
 
-/// A mesh of a document in the state before the step in work, with the data for selecting and showing it.
+/// A mesh of a document in the state before the current step, with the data for selecting and showing it.
 struct Object {
   std::string name;  ///< unique within the document
   std::shared_ptr<const MeshState> shared_state;
@@ -38,8 +38,8 @@ struct Object {
   const Mesh& mesh() const { return state().mesh; }
 };
 
-/// The meshes before the step in work.
-struct Stage {
+/// The meshes before the current step.
+struct StepInputs {
   std::shared_ptr<const Object> model;  ///< the mesh that is deformed, or grafted onto
   std::vector<std::shared_ptr<const Object>> parts;
   /// Per step before the one in work: for a graft, its `size` and the starts of its pairs (`starts`); else
@@ -50,7 +50,7 @@ struct Stage {
   const std::shared_ptr<const Object>& named(const std::string& name) const;
 };
 
-/// The result of a step, as `run_step` left it, and its element of `Stage::found`.
+/// The result of a step, as `run_step` left it, and its element of `StepInputs::found`.
 struct StepOutcome {
   std::shared_ptr<const MeshState> state;
   Json found = nullptr;
@@ -84,7 +84,7 @@ class Objects {
   explicit Objects(const Numbers& numbers) : numbers_(numbers) {}
 
   /// Runs the steps before the one in work. Throws what `run_edit` throws.
-  Stage before(const Document& document, const Context& context);
+  StepInputs before(const Document& document, const Context& context);
 
   /// Returns a mesh in the state after the first `count` steps. Throws what `run_edit` throws.
   std::shared_ptr<const MeshState> after(const Document& document, std::size_t count, const std::string& name,

@@ -4,7 +4,7 @@
 
 #include <meshgraft/script/edit_file.h>
 
-#include "binary_frame.h"
+#include "binary_message.h"
 #include "document.h"
 #include "editor/facts.h"
 #include "script/fact_json.h"

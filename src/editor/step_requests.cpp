@@ -37,7 +37,7 @@ Json Worker::symmetry(const json::Value& message, const Context& context) {
     fields.optional("tolerance_rel",
                     [&](const json::Value& value) { plane["tolerance_rel"] = value.positive_number(); });
   set_symmetry(document, plane);
-  return change(plane.is_null() ? "symmetry off" : "symmetry", document, context);
+  return change(plane.is_null() ? "symmetry_off" : "symmetry", document, context);
 }
 
 Json Worker::step(const json::Value& message, const Context& context) {
@@ -56,12 +56,12 @@ Json Worker::step(const json::Value& message, const Context& context) {
         set_start(document, index, pair,
                   open_one().twisted_start(index, pair, twist.required("by_deg").number(), context));
       });
-      return change("change step", document, context);
-    case What::remove: remove_step(document, index); return change("remove step", document, context);
+      return change("change_step", document, context);
+    case What::remove: remove_step(document, index); return change("remove_step", document, context);
     case What::rename: break;
   }
   rename_step(document, index, fields.required("name").string());
-  return change("rename step", document, context);
+  return change("rename_step", document, context);
 }
 
 }  // namespace meshgraft::editor

@@ -6,7 +6,7 @@
 
 #include <meshgraft/core/error.h>
 
-#include "binary_frame.h"
+#include "binary_message.h"
 #include "editor/facts.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "render/render.h"
@@ -93,9 +93,9 @@ void Thumbnails::make(const Task& task, const std::stop_token& stop) {
     Context context;
     context.stop_token = stop;
     const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, task.y_up, context);
-    BinaryFrame frame(FrameKind::thumbnail, {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
-    frame.add("png", picture);
-    outbox_.send(frame.bytes());
+    BinaryMessage message(MessageKind::thumbnail, {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
+    message.add("png", picture);
+    outbox_.send(message.bytes());
     outbox_.reply(task.request.id, {{"bytes", picture.size()}});
   } catch (...) {
     outbox_.refuse(task.request.id, current_error());

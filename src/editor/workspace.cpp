@@ -8,8 +8,8 @@
 #include "defects.h"
 #include "editor/facts.h"
 #include "graft_actions.h"
-#include "graft_frames.h"
-#include "mesh_frames.h"
+#include "graft_messages.h"
+#include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "script/vector_json.h"
 #include "twist.h"
@@ -124,7 +124,7 @@ Document Workspace::checked(Document document) const {
 // Shows a document and returns whether a set-up begins.
 bool Workspace::show(Document next, const Context& context) {
   learn_graft();
-  Stage stage = objects_.before(next, context);
+  StepInputs stage = objects_.before(next, context);
   LiveView::Plan plan = view_.plan(next, stage.model);
   bool begins = false;
   try {
@@ -142,7 +142,7 @@ bool Workspace::show(Document next, const Context& context) {
 }
 
 // Sends the parts that the page does not have yet.
-void Workspace::show_parts(const Stage& next) {
+void Workspace::show_parts(const StepInputs& next) {
   const auto is_known = [&](const std::shared_ptr<const Object>& object) {
     return object == stage_.model ||
            std::find(stage_.parts.begin(), stage_.parts.end(), object) != stage_.parts.end();
@@ -157,7 +157,7 @@ void Workspace::learn_graft() {
   if (outcome.state) objects_.learn(document_, std::move(outcome));
 }
 
-void Workspace::show_graft(const Document& document, const Stage& stage, bool dragged) {
+void Workspace::show_graft(const Document& document, const StepInputs& stage, bool dragged) {
   const MergeStep* merge = merge_in_work(document.edit);
   if (merge == nullptr) {
     graft_view_.clear();
@@ -307,7 +307,7 @@ std::optional<Json> Workspace::offer() const {
   const History& history = journal_->found()->history;
   return Json{{"changes", history.position()},
               {"undone", history.size() - 1 - history.position()},
-              {"last", history.label()}};
+              {"last", history.can_undo() ? Json(history.label()) : Json()}};
 }
 
 void Workspace::restore(const Context& context) {

@@ -86,8 +86,8 @@ class Workspace {
   };
   PageSelection selection;
 
-  /// The model and the parts in the state before the step in work.
-  const Stage& stage() const { return stage_; }
+  /// The model and the parts in the state before the current step.
+  const StepInputs& stage() const { return stage_; }
   /// Returns the object of that name; empty: the model. Throws Error(input).
   const std::shared_ptr<const Object>& object(const std::string& name) const;
 
@@ -112,8 +112,8 @@ class Workspace {
 
  private:
   Document checked(Document document) const;
-  void show_parts(const Stage& next);
-  void show_graft(const Document& document, const Stage& stage, bool dragged);
+  void show_parts(const StepInputs& next);
+  void show_graft(const Document& document, const StepInputs& stage, bool dragged);
   void learn_graft();
   void carry_selection();
   void note_whether_saved();
@@ -127,7 +127,7 @@ class Workspace {
   const Folders& folders_;
   Outbox outbox_;
   Objects objects_;
-  Stage stage_;
+  StepInputs stage_;
   LiveView view_;
   GraftView graft_view_;
   std::int64_t graft_number_ = 0;

@@ -39,7 +39,7 @@ double tolerance(const TestMesh& mesh, const Points& edited) {
 /// Returns the positions that a vertex shader computes from the buffers, in scene units.
 Points shade(const HandleBasis& basis, const Points& rest, std::span<const HandlePose> poses) {
   const HandleBuffers buffers = basis.buffers();
-  const auto frames = basis.frame_matrices(poses);
+  const auto frames = basis.pose_matrices(poses);
   const Eigen::Index width = buffers.normals.rows() > 0 ? 16 : 4;
   Points positions = (rest.rowwise() - buffers.centre) / buffers.scale;
   for (std::size_t k = 0; k < buffers.vertices.size(); ++k) {
@@ -232,7 +232,7 @@ TEST(HandleBasis, BuffersHoldTheMaps) {
   Directions normals(mesh.size(), 3);
   basis.frame(poses, frame, &normals);
   const HandleBuffers buffers = basis.buffers();
-  const auto frames = basis.frame_matrices(poses);
+  const auto frames = basis.pose_matrices(poses);
   ASSERT_EQ(buffers.maps.rows(), static_cast<Eigen::Index>(buffers.vertices.size()));
   for (std::size_t k = 0; k < buffers.vertices.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);

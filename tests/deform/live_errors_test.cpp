@@ -165,7 +165,7 @@ TEST(LiveDeformer, TheProxyStaysWhereTheRestDoesNotFit) {
   EXPECT_EQ(error_of([&] { live.wait_until_exact(); }).first, "core.out_of_memory");
   live.drag(part_of_move(scene, 0.5));
   recorder.wait_for_frames(1);
-  for (const LiveFrame& frame : recorder.frames()) EXPECT_EQ(frame.quality, FrameQuality::proxy);
+  for (const LiveFrame& frame : recorder.frames()) EXPECT_EQ(frame.accuracy, FrameAccuracy::proxy);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(LiveDeformer, EndsAtTheExactEvaluationOfTheLastPose) {
       live.wait_until_exact();
       const LiveFrame last = recorder.frames().back();
       EXPECT_EQ(last.pose, burst);
-      EXPECT_EQ(last.quality, FrameQuality::exact);
+      EXPECT_EQ(last.accuracy, FrameAccuracy::exact);
       EXPECT_EQ(last.error_rel, 0.0);
       EXPECT_TRUE(same_bytes(*last.positions,
                              make_direct(scene, held_foot(scene), method).evaluate(part_of_move(scene, 1))));
@@ -89,7 +89,7 @@ TEST(LiveDeformer, GetsBetterByItself) {
     live.wait_until_exact();
     while (live.stage() != LiveStage::ready) std::this_thread::yield();
     const std::size_t before = recorder.frames().size();
-    EXPECT_EQ(recorder.frames().front().quality, FrameQuality::proxy);
+    EXPECT_EQ(recorder.frames().front().accuracy, FrameAccuracy::proxy);
     // Drags twice, since the second preview reports the error of the first.
     for (const double part : {0.6, 0.7}) {
       live.drag(part_of_move(scene, part));
@@ -97,9 +97,9 @@ TEST(LiveDeformer, GetsBetterByItself) {
     }
     const std::vector<LiveFrame> frames = recorder.frames();
     ASSERT_EQ(frames.size(), before + 4);
-    const FrameQuality quick = method == DeformMethod::ft05 ? FrameQuality::linear : FrameQuality::reduced;
-    EXPECT_EQ(frames[before].quality, quick);
-    EXPECT_EQ(frames[before + 1].quality, FrameQuality::exact);
+    const FrameAccuracy quick = method == DeformMethod::ft05 ? FrameAccuracy::linear : FrameAccuracy::reduced;
+    EXPECT_EQ(frames[before].accuracy, quick);
+    EXPECT_EQ(frames[before + 1].accuracy, FrameAccuracy::exact);
     ASSERT_TRUE(frames[before + 2].error_rel.has_value());
     EXPECT_LE(*frames[before + 2].error_rel, method == DeformMethod::ft05 ? 1e-9 : 0.2);
     EXPECT_EQ(live.basis() != nullptr, method == DeformMethod::ft05);
@@ -107,7 +107,7 @@ TEST(LiveDeformer, GetsBetterByItself) {
   }
 }
 
-TEST(LiveDeformer, EachFrameIsWhatItsQualitySays) {
+TEST(LiveDeformer, EachFrameIsWhatItsAccuracySays) {
   const Scene scene = make_scene(irregular_grid(20, 20));
   const LiveOptions options = quick_options(DeformMethod::corotational);
   Recorder recorder;
@@ -123,11 +123,11 @@ TEST(LiveDeformer, EachFrameIsWhatItsQualitySays) {
                             {options.deformer, options.proxy_vertices});
   const std::vector<HandlePose> poses = part_of_move(scene, 1);
   for (const LiveFrame& frame : recorder.frames()) {
-    SCOPED_TRACE(to_string(frame.quality));
+    SCOPED_TRACE(to_string(frame.accuracy));
     EXPECT_GE(frame.seconds, 0);
-    const Points expected = frame.quality == FrameQuality::proxy     ? proxy.evaluate(poses)
-                            : frame.quality == FrameQuality::reduced ? reduced.frame(poses)
-                                                                     : direct.evaluate(poses);
+    const Points expected = frame.accuracy == FrameAccuracy::proxy     ? proxy.evaluate(poses)
+                            : frame.accuracy == FrameAccuracy::reduced ? reduced.frame(poses)
+                                                                       : direct.evaluate(poses);
     EXPECT_TRUE(same_bytes(*frame.positions, expected));
   }
 }
@@ -174,7 +174,7 @@ TEST(LiveDeformer, ShowsExactFramesWhereNothingIsQuicker) {
   }
   live.drag(part_of_move(scene, 1));
   live.wait_until_exact();
-  for (const LiveFrame& frame : recorder.frames()) EXPECT_EQ(frame.quality, FrameQuality::exact);
+  for (const LiveFrame& frame : recorder.frames()) EXPECT_EQ(frame.accuracy, FrameAccuracy::exact);
   recorder.expect_order();
   EXPECT_TRUE(
       same_bytes(*recorder.frames().back().positions,
@@ -210,7 +210,7 @@ TEST(LiveDeformer, FollowsRedrawnCurves) {
     live.wait_until_exact();
     const std::vector<LiveFrame> frames = recorder.frames();
     ASSERT_EQ(frames.size(), 2U);
-    EXPECT_EQ(frames[0].quality, FrameQuality::proxy);
+    EXPECT_EQ(frames[0].accuracy, FrameAccuracy::proxy);
     EXPECT_TRUE(same_bytes(*frames[1].positions, make_direct(scene, region, method).evaluate(poses)));
   }
 }

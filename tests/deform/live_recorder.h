@@ -73,7 +73,7 @@ class Recorder {
     arrived_.wait(lock, [&] { return frames_.size() >= count; });
   }
 
-  /// Checks that poses come in order, that each pose's qualities rise, and that no frame changed later.
+  /// Checks that poses come in order, that each pose's accuracies rise, and that no frame changed later.
   void expect_order() const {
     const std::lock_guard lock(mutex_);
     EXPECT_FALSE(overlapped_);
@@ -82,7 +82,7 @@ class Recorder {
       if (i == 0) continue;
       const LiveFrame &before = frames_[i - 1], &after = frames_[i];
       EXPECT_LE(before.pose, after.pose);
-      EXPECT_TRUE(before.pose < after.pose || before.quality < after.quality);
+      EXPECT_TRUE(before.pose < after.pose || before.accuracy < after.accuracy);
     }
   }
   std::int64_t poses_with_frames() const {

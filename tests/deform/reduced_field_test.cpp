@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "deform/solve/corotation.h"
-#include "deform/solve/handle_frame.h"
+#include "deform/solve/pose_matrix.h"
 #include "deform/system_scene.h"
 #include "linalg/sparse.h"
 #include "support/mesh_families.h"
@@ -62,10 +62,10 @@ struct ReducedScene {
     }
   }
 
-  std::vector<HandleFrame> frames(const std::vector<HandlePose>& poses) const {
-    std::vector<HandleFrame> all;
+  std::vector<PoseMatrix> frames(const std::vector<HandlePose>& poses) const {
+    std::vector<PoseMatrix> all;
     for (const HandlePose& pose : poses)
-      all.push_back(handle_frame(pose, full.system->patch().centre, full.system->patch().scale));
+      all.push_back(pose_matrix(pose, full.system->patch().centre, full.system->patch().scale));
     return all;
   }
   ReducedField::Result find(const std::vector<HandlePose>& poses) const {
@@ -288,11 +288,11 @@ TEST(ReducedField, CoefficientsOfHandlesAreTheirFrames) {
       if (reflects) poses.front() = test::pose_of(mirror);
       const ReducedField::Result found = scene.find(poses);
       EXPECT_EQ(found.linear, reflects);
-      const std::vector<HandleFrame> frames = scene.frames(poses);
+      const std::vector<PoseMatrix> frames = scene.frames(poses);
       const auto rows = static_cast<Eigen::Index>(4 * scene.handles());
       for (std::size_t h = 0; h < frames.size(); ++h)
-        EXPECT_EQ(HandleFrame(found.coefficients.middleRows<4>((reflects ? rows : 0) +
-                                                               static_cast<Eigen::Index>(4 * h))),
+        EXPECT_EQ(PoseMatrix(found.coefficients.middleRows<4>((reflects ? rows : 0) +
+                                                              static_cast<Eigen::Index>(4 * h))),
                   frames[h]);
       // Only one kind of blend takes part.
       EXPECT_TRUE(found.coefficients.middleRows(reflects ? 0 : rows, rows).isZero(0));

@@ -127,7 +127,7 @@ class Page:
             self._take()
 
     def exact(self, pose):
-        return self.frame(lambda header: header.get("quality") == "exact" and header["pose"] == pose)
+        return self.frame(lambda header: header.get("accuracy") == "exact" and header["pose"] == pose)
 
     def upload(self, name, parts):
         """Sends a file in parts, chunked, and returns the status and the text of the answer."""

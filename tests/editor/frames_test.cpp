@@ -36,7 +36,7 @@ TEST(Editor, SendsTheExactFrameAloneWhereThePageShowsTheOthers) {
   const Json moved = {{"top", {{"translate", {0.3, 0, 0}}}}};
   const Json pose = page.ask({{"do", "drag"}, {"poses", moved}, {"frames", "exact"}})["pose"];
   const Frame first = page.frame(2, [&](const Frame& frame) { return frame.header["pose"] == pose; });
-  EXPECT_EQ(first.header["quality"], "exact");
+  EXPECT_EQ(first.header["accuracy"], "exact");
   EXPECT_EQ(page.refusal({{"do", "drag"}, {"poses", moved}, {"frames", "few"}})["code"], "input");
 }
 

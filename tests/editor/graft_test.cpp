@@ -299,7 +299,7 @@ TEST_F(GraftEditor, UndoesToTheFirstBytes) {
   page_.ask({{"do", "graft"}, {"normal_angle_deg", 10}});
   const std::vector<float> grafted = page_.exact(page_.ask({{"do", "accept"}})["pose"]);
   const std::string last = saved("last.json");
-  const std::vector<std::string> labels{"accept", "graft", "start graft", "cut", "add part"};
+  const std::vector<std::string> labels{"accept", "graft", "start_graft", "cut", "add_part"};
   for (const std::string& label : labels) {
     EXPECT_EQ(state()["undo"], label);
     page_.ask({{"do", "undo"}});

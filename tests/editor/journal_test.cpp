@@ -70,6 +70,17 @@ TEST(Journal, TellsEveryWholeLineWhereverItIsCut) {
   EXPECT_EQ(lines, recorded.documents.size());
 }
 
+// Sessions of version 0.1 wrote the names of changes with blanks.
+TEST(Journal, TellsChangesByTheirPresentNames) {
+  const TemporaryFolder folder;
+  const Document one = first_document(), two = with_handle(one, "a", 1);
+  Journal journal(folder / "bar.ply");
+  journal.add("paint handle", one.text, two.text);
+  const auto content = editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"));
+  ASSERT_TRUE(content.has_value());
+  EXPECT_EQ(content->history.label(), "paint_handle");
+}
+
 // Sessions of version 0.1 left documents and patches with a solver's former name.
 TEST(Journal, TellsDocumentsThatNameASolverAsItWasCalledBefore) {
   Json settings = first_document().json;

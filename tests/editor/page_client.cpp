@@ -245,8 +245,9 @@ Frame Page::frame(std::uint32_t kind, const std::function<bool(const Frame&)>& i
 }
 
 const std::vector<float>& Page::exact(const Json& pose) {
-  frame(2,
-        [&](const Frame& frame) { return frame.header["quality"] == "exact" && frame.header["pose"] >= pose; });
+  frame(2, [&](const Frame& frame) {
+    return frame.header["accuracy"] == "exact" && frame.header["pose"] >= pose;
+  });
   return shown_;
 }
 

@@ -25,13 +25,13 @@ def validator_of(part):
     return jsonschema.Draft202012Validator({"$ref": f"#/$defs/{part}", "$defs": schema["$defs"]})
 
 
-validators = {part: validator_of(part) for part in ("request", "reply", "event", "frame_header")}
+validators = {part: validator_of(part) for part in ("request", "reply", "event", "message_header")}
 
 
 def part_of(sender, message):
     if sender == "engine":
         return "event" if "event" in message else "reply"
-    return {"page": "request", "header": "frame_header"}[sender]
+    return {"page": "request", "header": "message_header"}[sender]
 
 
 spoken, wrong = {}, []

@@ -44,7 +44,7 @@ TEST(Editor, RestoresWhatWasNotSaved) {
     EXPECT_EQ(state["undo"], "pose");
     EXPECT_EQ(state["dirty"], true);
     page.ask({{"do", "undo"}});
-    EXPECT_EQ(page.ask({{"do", "state"}})["undo"], "paint handle");
+    EXPECT_EQ(page.ask({{"do", "state"}})["undo"], "paint_handle");
   }
   {
     Page page(editor.url());

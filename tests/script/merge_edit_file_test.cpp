@@ -42,7 +42,7 @@ TEST(MergeEditFile, KeepsEveryField) {
   const EditFile edit = accepted("merge.json");
   const auto& cut = std::get<CutStep>(edit.steps.at(0).action);
   EXPECT_EQ(cut.mesh, "body");
-  EXPECT_EQ(std::get<CutStep::Plane>(cut.along).normal, Eigen::Vector3d(0, 0, 2));
+  EXPECT_EQ(std::get<Plane>(cut.along).normal, Eigen::Vector3d(0, 0, 2));
   EXPECT_EQ(cut.options.keep, CutKeep::below);
   EXPECT_EQ(cut.options.snap, 0.2);
   EXPECT_EQ(outcome_of(edit.steps[0]), "torso");

@@ -29,7 +29,7 @@ struct SymmetricMesh {
   std::string name;
   Mesh mesh;
   std::vector<Index> partner;
-  MirrorPlane plane;
+  Plane plane;
 };
 
 /// Returns one half of a mesh, joined with its mirror image at x = 0.

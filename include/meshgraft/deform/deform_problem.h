@@ -197,7 +197,7 @@ struct EvaluationReport {
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
   int iterations = 0;                  ///< co-rotational iterations made
   int solver_iterations = 0;           ///< iterations of the backend `iterative` in the last solve
-  double last_rotation_change = 0;     ///< RMS change of F asked for by the last step, radians
+  double last_rotation_change = 0;     ///< RMS change of F asked for by the last iteration, radians
   Index inverted_maps = 0;             ///< free vertices whose local map has a determinant of 0 or less
   /// Set if transforms were blended linearly because a constraint reflects or flattens, so that its transform
   /// has no logarithm.

@@ -17,32 +17,32 @@
 namespace meshgraft {
 
 /// The way in which a frame was computed, from the roughest on.
-enum class FrameQuality {
+enum class FrameAccuracy {
   proxy,    ///< by a decimated proxy (`ProxyDeformer`), usually within some per cent
   reduced,  ///< by `ReducedFrames`, usually within 2 %
   linear,   ///< by `HandleBasis`, to rounding
   exact,    ///< bit for bit the positions of `Deformer::evaluate`
 };
 
-std::string_view to_string(FrameQuality value);
+std::string_view to_string(FrameAccuracy value);
 
 /// One state of the surface while it is dragged.
 struct LiveFrame {
   std::int64_t pose = 0;  ///< number of the pose that `LiveDeformer::drag` returned
   /// Positions, n×3, model units; the receiver may keep them, and nobody writes to them any more.
   std::shared_ptr<const Points> positions;
-  FrameQuality quality = FrameQuality::exact;
+  FrameAccuracy accuracy = FrameAccuracy::exact;
   double seconds = 0;  ///< computing time
   /// Largest distance from the exact positions, × the largest displacement; 0 for `exact`. For other
-  /// qualities it is an earlier measurement. It was taken on the last pose whose best frame before the exact
-  /// one had this quality. Absent before the first measurement.
+  /// accuracies it is an earlier measurement. It was taken on the last pose whose best frame before the exact
+  /// one had this accuracy. Absent before the first measurement.
   std::optional<double> error_rel{};
 };
 
 /// Callbacks of a `LiveDeformer`. It calls them on a thread of its own and never two at a time. They must not
 /// throw, may call `drag`, and must not destroy the object.
 struct LiveCallbacks {
-  /// Receives frames in the order of pose numbers; each further frame of one pose has a better quality than
+  /// Receives frames in the order of pose numbers; each further frame of one pose has a greater accuracy than
   /// the last.
   std::function<void(const LiveFrame&)> frame{};
   /// Receives errors, each once; may be empty. Pose 0 means that the set-up failed, with the `Deformer`'s own

@@ -26,7 +26,7 @@ using Directions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// digits; put centre and scale into the model matrix, in double precision.
 ///
 /// Let K_h be the h-th 4×4 block (row-major, 16 floats) of a vertex's row of `blocks`. Let f_h be the 4×3
-/// matrix of `HandleBasis::frame_matrices` (row-major, 12 floats). The 4×3 sum S = Σ_h K_h f_h holds
+/// matrix of `HandleBasis::pose_matrices` (row-major, 12 floats). The 4×3 sum S = Σ_h K_h f_h holds
 ///   the position:    positions.row + S.row(0)
 ///   the local map:   Mᵀ = I + S.bottomRows(3)  (+ maps.row as a 3×3 where there are maps)
 ///   the normal:      n_x (m_1 × m_2) + n_y (m_2 × m_0) + n_z (m_0 × m_1), m_j rows of Mᵀ, not normalised.
@@ -49,7 +49,7 @@ struct HandleBuffers {
 /// `ft05` are linear in the handles' affine maps (after linear subspace design, Wang et al. 2015). The
 /// constructor solves for the response of every vertex to each handle, four columns a handle. A frame is one
 /// product,
-///   x = p + Σ_h b_h · frame_h,   (M − I)ᵀ = Σ_h C_h · frame_h.
+///   x = p + Σ_h b_h · pose_h,   (M − I)ᵀ = Σ_h C_h · pose_h.
 /// The basis keeps no reference to the deformer. It takes 32 bytes per vertex and handle, with normals 80.
 class HandleBasis {
  public:
@@ -71,7 +71,7 @@ class HandleBasis {
   /// Return the data of a vertex shader: the constant buffers, and the handles' 4×3 matrices of one frame.
   /// See `HandleBuffers`.
   HandleBuffers buffers() const;
-  std::vector<Eigen::Matrix<float, 4, 3, Eigen::RowMajor>> frame_matrices(
+  std::vector<Eigen::Matrix<float, 4, 3, Eigen::RowMajor>> pose_matrices(
       std::span<const HandlePose> poses) const;
 
   bool has_normals() const { return normals_.rows() > 0; }
@@ -127,8 +127,8 @@ void validate(const ReducedFramesOptions& options);
 /// The field of maps F on the right-hand side is smooth. A few samples of it, and functions that spread them
 /// as smoothly as possible over the surface, therefore represent the whole field. The solution is linear in
 /// those samples and in the handles' affine maps, and the constructor solves for the vertices' response to
-/// each of them. A frame repeats the method's steps on the samples alone, which takes a few milliseconds at
-/// any size, and ends with one product. The object keeps no reference to the deformer.
+/// each of them. A frame repeats the method's iterations on the samples alone, which takes a few milliseconds
+/// at any size, and ends with one product. The object keeps no reference to the deformer.
 class ReducedFrames {
  public:
   /// Throws Error(usage) for a deformer of method `ft05` (`HandleBasis` computes its frames exactly), or with
@@ -141,9 +141,9 @@ class ReducedFrames {
 
   /// Computes new positions, near those of `Deformer::evaluate` for the same poses, in the caller's n×3
   /// `positions`. Handle vertices are exactly at `pose · p`; vertices outside the region keep their
-  /// coordinates bit for bit. One affine map of all handles is reproduced to 1e-6. `report` gets the steps,
-  /// and whether transforms were blended linearly. Throws Error(usage) for another shape or number of poses.
-  /// Throws Error(input) for a redrawn curve and for non-finite values.
+  /// coordinates bit for bit. One affine map of all handles is reproduced to 1e-6. `report` gets the
+  /// iterations, and whether transforms were blended linearly. Throws Error(usage) for another shape or number
+  /// of poses. Throws Error(input) for a redrawn curve and for non-finite values.
   void frame(std::span<const HandlePose> poses, Points& positions, const Context& context = {},
              EvaluationReport* report = nullptr) const;
   Points frame(std::span<const HandlePose> poses, const Context& context = {},

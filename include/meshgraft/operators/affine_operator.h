@@ -38,7 +38,7 @@ struct OperatorOptions {
   std::uint64_t seed = 1;  ///< seed of the noise's signs
   /// Weight λ of the energy λ E_L + E_R; 1 in FT05 (docs/method.md explains the default).
   double laplacian_weight = 20;
-  /// SF has the pairs opposite across an edge in addition to the edges, as in FT05.
+  /// E_R also has the pairs of vertices that are opposite each other across an edge, as in FT05 (its set SF).
   bool opposite_pairs = true;
   int laplacian_order = 1;  ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
 };

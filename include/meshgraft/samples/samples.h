@@ -37,7 +37,7 @@ std::span<const SampleInfo> sample_list();
 ///   two loops; torus: radii 1 and 0.4 about the z axis; knot: a trefoil tube of radius 0.42.
 ///
 /// The sculpted models carry the vertex attribute "colour" (red, green, blue; uint8, sRGB).
-/// Throws Error(input) with the id core.no_such_name, listing the names, for an unknown name, and with
+/// Throws Error(input) with the id samples.no_such_sample, listing the names, for an unknown name, and with
 /// core.out_of_range for a resolution out of [4, 4096].
 Mesh make_sample(std::string_view name, int resolution = 0, const Context& context = {});
 

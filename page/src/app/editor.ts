@@ -1,5 +1,5 @@
 import { batch, computed, signal } from "@preact/signals";
-import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineEvent, Id, Note, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
@@ -62,7 +62,7 @@ export interface Box {
 export type DialogName = "open" | "save" | "export" | "help";
 
 /**
- * Holds the engine's state as signals that panels read, and sends requests to the engine. Binary frames go straight to
+ * Holds the engine's state as signals that panels read, and sends requests to the engine. Binary messages go straight to
  * the viewport.
  */
 export class Editor {
@@ -106,7 +106,7 @@ export class Editor {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
     this.connection = new Connection(`${scheme}//${location.host}/session?token=${encodeURIComponent(token)}`, {
       event: (event) => this.onEvent(event),
-      frame: (frame) => this.show(frame),
+      binary: (message) => this.show(message),
       link: (link) => this.noteLink(link),
     });
     this.graft = new Graft({
@@ -422,7 +422,7 @@ export class Editor {
     }
     this.live.value = anew ? event : { ...before, ...event };
     if (event.error !== undefined) this.tell("problem", inPanelWords(event.error), { of: "live" });
-    else if (event.quality !== undefined) this.dismissOutdated("live");
+    else if (event.accuracy !== undefined) this.dismissOutdated("live");
     if (event.stage === "ready" || event.stage === "failed" || event.stage === "proxy-only") {
       const progress = new Map(this.progress.value);
       if (progress.delete("null")) this.progress.value = progress;
@@ -477,13 +477,13 @@ export class Editor {
     if (done !== undefined) this.note(since, "", `All ${counted(changes, "change")} are here.`);
   }
 
-  private show(frame: BinaryFrame): void {
-    this.viewport.show(frame);
-    this.graft.onFrame(frame);
-    this.library.onFrame(frame);
-    if (frame.kind === FrameKind.selection) this.selected.value = frame.indices("vertices")?.length ?? 0;
+  private show(message: BinaryMessage): void {
+    this.viewport.show(message);
+    this.graft.onMessage(message);
+    this.library.onMessage(message);
+    if (message.kind === MessageKind.selection) this.selected.value = message.indices("vertices")?.length ?? 0;
     const model = this.viewport.main;
-    if (frame.kind === FrameKind.mesh && frame.header.role !== "part" && model !== undefined)
+    if (message.kind === MessageKind.mesh && message.header.role !== "part" && model !== undefined)
       this.box.value = boxOf(model);
   }
 }

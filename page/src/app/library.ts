@@ -1,5 +1,5 @@
 import { signal, type Signal } from "@preact/signals";
-import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import type { Outcome } from "../engine/connection";
 import type { Id, PageRequest } from "../protocol";
 
@@ -51,10 +51,10 @@ export class Library {
     if (this.running !== undefined) this.send({ do: "cancel", of: this.running }).answer.catch(() => undefined);
   }
 
-  onFrame(frame: BinaryFrame): void {
-    if (frame.kind !== FrameKind.thumbnail || frame.header.of === undefined) return;
-    const key = this.coming.get(frame.header.of);
-    const png = frame.bytes("png");
+  onMessage(message: BinaryMessage): void {
+    if (message.kind !== MessageKind.thumbnail || message.header.of === undefined) return;
+    const key = this.coming.get(message.header.of);
+    const png = message.bytes("png");
     if (key !== undefined && png !== undefined) this.set(key, URL.createObjectURL(new Blob([png], { type: "image/png" })));
   }
 

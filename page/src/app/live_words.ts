@@ -1,4 +1,4 @@
-import type { DocumentState, ProgressStage, ProgressTask, Quality, Stage } from "../protocol";
+import type { DocumentState, ProgressStage, ProgressTask, Accuracy, LiveStage } from "../protocol";
 import type { Event } from "./editor";
 import { inPanelWords } from "./wording";
 
@@ -8,14 +8,14 @@ export interface LiveWords {
   explained: string;
 }
 
-const qualities: Record<Quality, [string, string]> = {
+const accuracies: Record<Accuracy, [string, string]> = {
   proxy: ["Preview", "A simplified mesh stands in while the exact solution is prepared."],
   reduced: ["Quick preview", "Good to some per cent; the exact shape follows when the handle rests."],
   linear: ["Exact", "Each frame is exact, to rounding."],
-  exact: ["Exact", "This is what saving writes."],
+  exact: ["Exact", "Saving writes this shape."],
 };
 
-const stages: Record<Stage, [LiveWords["tone"], string, string]> = {
+const stages: Record<LiveStage, [LiveWords["tone"], string, string]> = {
   starting: ["busy", "Getting ready", "A first preview comes in a moment. You may drag already."],
   preview: ["busy", "Preview; the exact shape is being prepared", "Drag as you like: it gets better by itself."],
   exact: ["good", "Exact; making drags quicker", "The exact solution is there; quicker frames are being prepared."],
@@ -41,9 +41,9 @@ export function liveWords(state: DocumentState | null, live: Event<"live">): Liv
     return { tone: "problem", text: problem, explained: remedy };
   }
   const [tone, text, explained] = stages[live.stage ?? "starting"];
-  const quality = live.quality === undefined ? undefined : qualities[live.quality];
-  if (quality === undefined || tone !== "good") return { tone, text, explained };
-  return { tone, text: live.stage === "exact" ? text : quality[0], explained: quality[1] };
+  const accuracy = live.accuracy === undefined ? undefined : accuracies[live.accuracy];
+  if (accuracy === undefined || tone !== "good") return { tone, text, explained };
+  return { tone, text: live.stage === "exact" ? text : accuracy[0], explained: accuracy[1] };
 }
 
 /** Words for the stages of the engine's progress. */

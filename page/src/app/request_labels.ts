@@ -1,4 +1,4 @@
-import type { PageRequest } from "../protocol";
+import type { Change, PageRequest } from "../protocol";
 
 const labels: Partial<Record<string, string>> = {
   open: "Opening",
@@ -13,7 +13,7 @@ const labels: Partial<Record<string, string>> = {
   "paint-handle": "Making the handle",
   reach: "Changing the reach",
   region: "Setting the region",
-  fixed: "Setting the fixed part",
+  fixed: "Setting the fixed vertices",
   handle: "Changing the handle",
   pose: "Moving",
   settings: "Changing the method",
@@ -33,20 +33,37 @@ export function labelOf(request: PageRequest): string {
   return labels[request.do] ?? "Working";
 }
 
-/** Rewrites the engine's names of changes (`undo`, `redo` of the state) in the words of the panels. */
-export function changeLabel(label: string | null): string {
-  const words: Partial<Record<string, string>> = {
-    pose: "move",
-    reach: "reach",
-    region: "region",
-    fixed: "fixed part",
-    settings: "method settings",
-    accept: "accepted step",
-    part: "part",
-    cut: "cut",
-    graft: "graft",
-    group: "group",
-    reset: "reset",
-  };
-  return label === null ? "" : (words[label] ?? label);
+/** Words for the changes of a document. */
+const changes: Record<Change, string> = {
+  pose: "move",
+  reach: "reach",
+  region: "region",
+  fixed: "fixed vertices",
+  settings: "method settings",
+  accept: "accepted step",
+  cut: "cut",
+  graft: "graft",
+  group: "group",
+  reset: "reset",
+  paint_handle: "painted handle",
+  add_handle: "new handle",
+  remove_handle: "removed handle",
+  rename_handle: "renamed handle",
+  remove_part: "removed part",
+  edit_part: "part as the model",
+  add_part: "new part",
+  change_step: "changed step",
+  remove_step: "removed step",
+  rename_step: "renamed step",
+  remove_group: "removed group",
+  symmetry_off: "symmetry off",
+  symmetry: "symmetry",
+  start_graft: "start of a graft",
+  cancel_graft: "cancelled graft",
+  colour: "colour of a group",
+};
+
+/** Returns words for a change of the document. */
+export function changeLabel(change: Change): string {
+  return changes[change];
 }

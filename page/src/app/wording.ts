@@ -92,8 +92,8 @@ const withoutLocation: ReadonlySet<string> = new Set<FactId>([
 ]);
 
 /** Names the mesh of a graft as the panels do. The model is what the part is grafted onto. */
-function sideWord(side: string): string {
-  return side === "source" ? "part" : side === "target" ? "model" : side;
+function sideWord(side: "source" | "target"): string {
+  return side === "source" ? "part" : "model";
 }
 
 /** Quotes a text so that a shell takes it as one word. */
@@ -132,11 +132,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Choose X, Y or Z, or type a direction such as 0, 0, 1.",
   }),
   "deform.component_held_by_positions": ({ count, vertex, shape }) => ({
-    problem: `the free part with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie ${together[shape]}, so it could still turn or shear`,
+    problem: `the free component with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie ${together[shape]}, so it could still turn or shear`,
     remedy: "Paint a handle on it, select some of it and choose Make fixed, or add points until four are not in one plane.",
   }),
   "deform.component_not_held": ({ count, vertex }) => ({
-    problem: `the free part with vertex ${vertex} (${counted(count, "vertex", "vertices")}) touches no handle and nothing that is fixed, so it could be anywhere`,
+    problem: `the free component with vertex ${vertex} (${counted(count, "vertex", "vertices")}) touches no handle and nothing that is fixed, so it could be anywhere`,
     remedy: "Paint a handle on it, select some of it and choose Make fixed, or take it out of the region.",
   }),
   "deform.curve_not_affine": () => ({ problem: "a redrawn curve has no single move, turn and scale", remedy: "" }),
@@ -226,8 +226,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the ${sideWord(side)}'s boundary touches itself in vertex ${vertex}`,
   }),
   "merge.component_without_pair": ({ vertices, vertex }) => ({
-    problem: `no pair holds the piece of the part with vertex ${vertex} (${counted(vertices, "vertex", "vertices")})`,
-    remedy: "Pair one of its loops with one of the model's, or take the piece out of the part.",
+    problem: `no pair holds the component of the part with vertex ${vertex} (${counted(vertices, "vertex", "vertices")})`,
+    remedy: "Pair one of its loops with one of the model's, or take the component out of the part.",
   }),
   "merge.dropped_pose_kept": () => ({ problem: "a part that is dropped has no pose to keep", remedy: "" }),
   "merge.dropped_source_inverted": ({ vertices, size }) => ({

@@ -1,5 +1,5 @@
 import type { EngineError, EngineEvent, Id, PageRequest, Reply, Result } from "../protocol";
-import { BinaryFrame, PartedFrames } from "./binary_frame";
+import { BinaryMessage, PartedMessages } from "./binary_message";
 
 /** The engine refused a request. */
 export class Refusal extends Error {
@@ -15,7 +15,7 @@ export type Link = "connecting" | "open" | "lost";
 
 interface Listeners {
   event: (event: EngineEvent) => void;
-  frame: (frame: BinaryFrame) => void;
+  binary: (message: BinaryMessage) => void;
   link: (link: Link) => void;
 }
 
@@ -23,7 +23,7 @@ interface Listeners {
 export type Outcome = Exclude<Result, { model: unknown }>;
 
 /**
- * The WebSocket of the page: requests and their replies, events and binary frames. A lost connection is retried until
+ * The WebSocket of the page: requests and their replies, events and binary messages. A lost connection is retried until
  * the engine answers. The document is then no longer open there, and `link` says so.
  */
 export class Connection {
@@ -31,7 +31,7 @@ export class Connection {
   private last = 0;
   private readonly waiting = new Map<Id, { resolve: (result: Outcome) => void; reject: (why: Refusal | LostConnection) => void }>();
   private retryMs = 250;
-  private parts = new PartedFrames();
+  private parts = new PartedMessages();
 
   constructor(
     private readonly address: string,
@@ -44,7 +44,7 @@ export class Connection {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.retryMs = 250;
-      this.parts = new PartedFrames();
+      this.parts = new PartedMessages();
       this.listeners.link("open");
     };
     socket.onmessage = ({ data }) => this.receive(data as string | ArrayBuffer);
@@ -77,7 +77,7 @@ export class Connection {
   private receive(data: string | ArrayBuffer): void {
     if (typeof data !== "string") {
       const bytes = this.parts.take(data);
-      if (bytes !== undefined) this.listeners.frame(BinaryFrame.parse(bytes));
+      if (bytes !== undefined) this.listeners.binary(BinaryMessage.parse(bytes));
       return;
     }
     const message = JSON.parse(data) as Reply | EngineEvent;

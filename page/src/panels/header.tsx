@@ -1,4 +1,5 @@
 import type { Page } from "../app/page";
+import type { Change } from "../protocol";
 import { changeLabel } from "../app/request_labels";
 import { CommandButton, CommandLabelButton, menuItem } from "./command_button";
 import { IconButton } from "./ui/button";
@@ -68,8 +69,8 @@ export function Header({ page }: { page: Page }) {
   );
 }
 
-function of(words: string, label: string | null): string {
-  return label === null ? "Nothing to do." : words + changeLabel(label);
+function of(words: string, change: Change | null): string {
+  return change === null ? "Nothing to do." : words + changeLabel(change);
 }
 
 function DocumentName({ name, edit, dirty }: { name: string; edit: string; dirty: boolean }) {

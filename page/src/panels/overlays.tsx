@@ -34,7 +34,7 @@ export function RestoreOffer({ page }: { page: Page }) {
       <p>
         An earlier session on {editor.state.value?.name ?? "this model"} ended before its work was saved. It
         left <strong>{counted(offer.changes, "change")}</strong>
-        {offer.last !== "" && <> (the last one: {changeLabel(offer.last)})</>}
+        {offer.last !== null && <> (the last one: {changeLabel(offer.last)})</>}
         {offer.undone > 0 && <>, and {offer.undone} undone that can be done again</>}.
       </p>
     </Dialog>

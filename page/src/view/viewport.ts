@@ -12,7 +12,7 @@ import {
   WebGLRenderer,
 } from "three";
 import type { OrthographicCamera, PerspectiveCamera } from "three";
-import { FrameKind, type BinaryFrame } from "../engine/binary_frame";
+import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
@@ -154,22 +154,22 @@ export class Viewport {
     this.followSettings();
   }
 
-  /** Handles a binary frame of the engine. */
-  show(frame: BinaryFrame): void {
-    if (frame.kind === FrameKind.mesh && frame.header.role === "part") this.addPart(this.surfaceFrom(frame));
-    else if (frame.kind === FrameKind.mesh) this.setMesh(this.surfaceFrom(frame));
-    const surface = this.surfaceOf(frame.header.mesh);
-    if (frame.kind === FrameKind.selection) this.deselectOthers(surface);
-    if (frame.kind === FrameKind.frame) surface?.showFrame(frame);
-    if (frame.kind === FrameKind.weights && this.renderer !== undefined) surface?.setWeights(frame, this.renderer);
-    if (frame.kind === FrameKind.selection) surface?.setSelection(frame.indices("vertices") ?? new Uint32Array());
-    if (frame.kind === FrameKind.roles) surface?.setRoles(frame);
+  /** Handles a binary message of the engine. */
+  show(message: BinaryMessage): void {
+    if (message.kind === MessageKind.mesh && message.header.role === "part") this.addPart(this.surfaceFrom(message));
+    else if (message.kind === MessageKind.mesh) this.setMesh(this.surfaceFrom(message));
+    const surface = this.surfaceOf(message.header.mesh);
+    if (message.kind === MessageKind.selection) this.deselectOthers(surface);
+    if (message.kind === MessageKind.frame) surface?.showFrame(message);
+    if (message.kind === MessageKind.weights && this.renderer !== undefined) surface?.setWeights(message, this.renderer);
+    if (message.kind === MessageKind.selection) surface?.setSelection(message.indices("vertices") ?? new Uint32Array());
+    if (message.kind === MessageKind.roles) surface?.setRoles(message);
     this.requestRender();
   }
 
   /** Makes a surface with the common settings. It is not added to the scene. */
-  surfaceFrom(frame: BinaryFrame): Surface {
-    const surface = new Surface(frame, this.look);
+  surfaceFrom(message: BinaryMessage): Surface {
+    const surface = new Surface(message, this.look);
     surface.onChange = () => this.requestRender();
     return surface;
   }

@@ -53,7 +53,7 @@ test("the vertex shader puts vertices where the engine's exact linear frame has 
   }, poses as never);
   await page.waitForFunction((number) => {
     const live = window.meshgraft.editor.live.value;
-    return live.quality === "exact" && (live.pose ?? 0) >= number;
+    return live.accuracy === "exact" && (live.pose ?? 0) >= number;
   }, pose);
   const { worst, moved } = await page.evaluate(async () => {
     const { viewport } = window.meshgraft;

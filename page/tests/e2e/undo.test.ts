@@ -121,7 +121,7 @@ for (const method of ["corotational", "ft05"])
     await user.settle();
     const ball = await gripOf(user, "ball");
     await user.stroke([ball, [ball[0] + 10, ball[1] - 40]]);
-    await page.waitForFunction(() => window.meshgraft.editor.live.value.quality === "exact");
+    await page.waitForFunction(() => window.meshgraft.editor.live.value.accuracy === "exact");
     await user.rests();
     const moved = await strayed(user);
     expect(moved).toBeGreaterThan(0.01);

@@ -142,8 +142,8 @@ describe("the status line", () => {
     expect(liveWords(null, { event: "live" }).tone).toBe("idle");
     expect(liveWords(state, { event: "live" }).text).toBe("No handle yet");
     expect(liveWords(set, { event: "live", stage: "starting" }).text).toBe("Getting ready");
-    expect(liveWords(set, { event: "live", stage: "ready", quality: "exact" }).text).toBe("Exact");
-    expect(liveWords(set, { event: "live", stage: "ready", quality: "reduced" }).text).toBe("Quick preview");
+    expect(liveWords(set, { event: "live", stage: "ready", accuracy: "exact" }).text).toBe("Exact");
+    expect(liveWords(set, { event: "live", stage: "ready", accuracy: "reduced" }).text).toBe("Quick preview");
     expect(liveWords(set, { event: "live", stage: "proxy-only" }).tone).toBe("warning");
     const error: EngineError = {
       id: "deform.nothing", code: "unsolvable", fields: {}, problem: "nothing holds it", location: "", remedy: "Fix some.", notes: [],

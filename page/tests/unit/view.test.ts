@@ -88,7 +88,7 @@ describe("colour maps", () => {
 });
 
 describe("frames of handles", () => {
-  // The formulas of src/deform/solve/handle_frame.cpp and HandleBuffers, written out: x = p + Σ (p, 1)-like columns · frame.
+  // The formulas of src/deform/solve/pose_matrix.cpp and HandleBuffers, written out: x = p + Σ (p, 1)-like columns · frame.
   it("take a vertex with a handle's own weights exactly to where its pose takes it", () => {
     const random = randoms(7);
     const number = () => 4 * random() - 2;

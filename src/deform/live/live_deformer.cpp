@@ -27,7 +27,7 @@
 #include "deform/setup/checks.h"
 #include "deform/setup/memory_estimate.h"
 #include "deform/setup/region_mask.h"
-#include "deform/solve/handle_frame.h"
+#include "deform/solve/pose_matrix.h"
 
 namespace meshgraft {
 
@@ -96,12 +96,12 @@ std::optional<double> relative_error(const Points& positions, const Points& exac
 
 }  // namespace
 
-std::string_view to_string(FrameQuality value) {
+std::string_view to_string(FrameAccuracy value) {
   switch (value) {
-    case FrameQuality::proxy: return "proxy";
-    case FrameQuality::reduced: return "reduced";
-    case FrameQuality::linear: return "linear";
-    case FrameQuality::exact: return "exact";
+    case FrameAccuracy::proxy: return "proxy";
+    case FrameAccuracy::reduced: return "reduced";
+    case FrameAccuracy::linear: return "linear";
+    case FrameAccuracy::exact: return "exact";
   }
   return "";
 }
@@ -137,7 +137,7 @@ struct LiveDeformer::Impl {
 
   // A method to compute the positions of a pose.
   struct Answer {
-    FrameQuality quality = FrameQuality::exact;
+    FrameAccuracy accuracy = FrameAccuracy::exact;
     std::function<void(std::span<const HandlePose>, Points&, const Context&)> evaluate;
   };
   struct Job {
@@ -193,17 +193,17 @@ struct LiveDeformer::Impl {
   std::int64_t newest = 0;
   std::vector<HandlePose> poses;
   Clock::time_point settled_at;
-  std::optional<FrameQuality> tried;  ///< best quality tried so far
-  bool shown = false;                 ///< a frame was delivered
-  bool refined = false;               ///< an exact frame was delivered
-  std::optional<Error> refused;       ///< error of a refused pose
+  std::optional<FrameAccuracy> tried;  ///< greatest accuracy tried so far
+  bool shown = false;                  ///< a frame was delivered
+  bool refined = false;                ///< an exact frame was delivered
+  std::optional<Error> refused;        ///< error of a refused pose
   bool exact_runs = false;
   std::stop_source refinement;  ///< stops an exact evaluation that a newer pose supersedes
   std::int64_t superseded = 0;
 
   // Used only by the frames' thread.
   LiveFrame last_quick;
-  std::array<std::optional<double>, 3> measured;  ///< relative errors of the qualities below `exact`
+  std::array<std::optional<double>, 3> measured;  ///< relative errors of the accuracies below `exact`
 
   std::thread builder, painter;
   std::optional<std::stop_callback<std::function<void()>>> outer_stop;
@@ -385,10 +385,10 @@ std::optional<LiveDeformer::Impl::Job> LiveDeformer::Impl::next_job() {
     }
     if (newest > 0 && !refused) {
       std::optional<Answer> answer = quickest();
-      if (answer && (!tried || *tried < answer->quality)) return take(std::move(*answer));
-      if (deformer && (!tried || *tried < FrameQuality::exact)) {
+      if (answer && (!tried || *tried < answer->accuracy)) return take(std::move(*answer));
+      if (deformer && (!tried || *tried < FrameAccuracy::exact)) {
         if (!tried || Clock::now() >= settled_at)
-          return take({FrameQuality::exact, [exact = deformer](auto given, Points& out, const Context& how) {
+          return take({FrameAccuracy::exact, [exact = deformer](auto given, Points& out, const Context& how) {
                          exact->evaluate(given, out, how);
                        }});
         changed.wait_until(lock, settled_at);
@@ -404,15 +404,15 @@ std::optional<LiveDeformer::Impl::Answer> LiveDeformer::Impl::quickest() const {
   const bool redrawn =
       std::any_of(poses.begin(), poses.end(), [](const HandlePose& pose) { return pose.curve.has_value(); });
   if (basis && !redrawn)
-    return Answer{FrameQuality::linear, [linear = basis](auto given, Points& out, const Context& how) {
+    return Answer{FrameAccuracy::linear, [linear = basis](auto given, Points& out, const Context& how) {
                     linear->frame(given, out, nullptr, how);
                   }};
   if (reduced && !redrawn)
-    return Answer{FrameQuality::reduced, [near = reduced](auto given, Points& out, const Context& how) {
+    return Answer{FrameAccuracy::reduced, [near = reduced](auto given, Points& out, const Context& how) {
                     near->frame(given, out, how);
                   }};
   if (proxy)
-    return Answer{FrameQuality::proxy, [coarse = proxy](auto given, Points& out, const Context& how) {
+    return Answer{FrameAccuracy::proxy, [coarse = proxy](auto given, Points& out, const Context& how) {
                     coarse->evaluate(given, out, how);
                   }};
   return std::nullopt;
@@ -422,8 +422,8 @@ std::optional<LiveDeformer::Impl::Answer> LiveDeformer::Impl::quickest() const {
 /// pose is always finished, because otherwise nothing would be seen while handles move. During the set-up a
 /// quick frame uses one thread: its loops are short and would wait for busy threads.
 LiveDeformer::Impl::Job LiveDeformer::Impl::take(Answer answer) {
-  tried = answer.quality;
-  exact_runs = answer.quality == FrameQuality::exact;
+  tried = answer.accuracy;
+  exact_runs = answer.accuracy == FrameAccuracy::exact;
   const bool refines = exact_runs && shown;
   if (refines) refinement = std::stop_source();
   const bool alone = exact_runs || stage == LiveStage::ready || stage == LiveStage::proxy_only;
@@ -436,7 +436,7 @@ void LiveDeformer::Impl::run(const Job& job) {
   try {
     const std::shared_ptr<Points> positions = pool->take();
     job.answer.evaluate(job.poses, *positions, job.context);
-    deliver(job, {job.pose, positions, job.answer.quality, watch.seconds()});
+    deliver(job, {job.pose, positions, job.answer.accuracy, watch.seconds()});
   } catch (...) {
     refuse(job, current_error());
   }
@@ -447,12 +447,12 @@ void LiveDeformer::Impl::run(const Job& job) {
 
 void LiveDeformer::Impl::deliver(const Job& job, const LiveFrame& computed) {
   LiveFrame frame = computed;
-  const bool exact = frame.quality == FrameQuality::exact;
-  frame.error_rel = exact ? 0.0 : measured[static_cast<std::size_t>(frame.quality)];
+  const bool exact = frame.accuracy == FrameAccuracy::exact;
+  frame.error_rel = exact ? 0.0 : measured[static_cast<std::size_t>(frame.accuracy)];
   callbacks.frame(frame);
   if (exact && last_quick.pose == frame.pose)
     if (const auto error = relative_error(*last_quick.positions, *frame.positions, problem.rest))
-      measured[static_cast<std::size_t>(last_quick.quality)] = error;
+      measured[static_cast<std::size_t>(last_quick.accuracy)] = error;
   last_quick = exact ? LiveFrame() : std::move(frame);
   const std::lock_guard lock(mutex);
   if (job.pose != newest) return;

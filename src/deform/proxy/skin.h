@@ -34,8 +34,8 @@ Bone blend(const Skin& skin, Index row, std::span<const Bone> bones);
 struct SkinProblem {
   const Points& points;
   const IndexLists& rings;
-  std::span<const Index> proxies;  ///< vertices; proxy k is bone k
-  /// Per proxy: its influence radius; 0 if it moves only itself, since no vertex beside it was removed.
+  std::span<const Index> proxies;  ///< proxy vertices; the k-th is bone k
+  /// Per proxy vertex: its influence radius; 0 if it moves only itself, since no vertex beside it was removed.
   std::vector<double> radius;
   struct BoundaryVertex {
     Index vertex, bone;
@@ -43,14 +43,15 @@ struct SkinProblem {
   /// The handle boundaries: vertices of given position beside vertices of unknown position. Fixed vertices and
   /// features have boundaries, too.
   std::vector<BoundaryVertex> boundary;
-  double boundary_radius = 0;    ///< influence radius of the boundaries
-  std::span<const Index> rows;   ///< vertices that follow the proxies, and near a boundary also the boundary
-  std::span<const Index> inner;  ///< further rows: vertices that follow only the proxies
+  double boundary_radius = 0;  ///< influence radius of the boundaries
+  std::span<const Index>
+      rows;  ///< vertices that follow the proxy vertices, and near a boundary also the boundary
+  std::span<const Index> inner;  ///< further rows: vertices that follow only the proxy vertices
 };
 
 struct SkinResult {
   Skin skin;                   ///< for `rows`, then for `inner`
-  std::vector<Index> outside;  ///< vertices of rows that no proxy can influence; the skin is then empty
+  std::vector<Index> outside;  ///< vertices of rows that no proxy vertex can influence; the skin is then empty
 };
 
 /// Makes a skin with weights that fall off smoothly with the distance along the surface, relative to each

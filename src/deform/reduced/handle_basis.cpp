@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
-#include "deform/solve/handle_frame.h"
+#include "deform/solve/pose_matrix.h"
 #include "linalg/sparse.h"
 
 namespace meshgraft {
@@ -175,7 +175,7 @@ void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Di
   std::vector<double> frames;
   double largest = 1;
   for (const HandlePose& pose : poses) {
-    const auto frame = handle_frame(pose, centre_, scale_);
+    const auto frame = pose_matrix(pose, centre_, scale_);
     largest = std::max(largest, frame.cwiseAbs().maxCoeff());
     for (const double number : frame.reshaped<Eigen::RowMajor>()) frames.push_back(number);
   }
@@ -212,7 +212,7 @@ Points HandleBasis::frame(std::span<const HandlePose> poses, const Context& cont
   return positions;
 }
 
-/// Adds the displacements Σ_h b_h · frame_h to the block's positions.
+/// Adds the displacements Σ_h b_h · pose_h to the block's positions.
 void HandleBasis::place_block(std::size_t block, std::span<const double> frames, Points& positions) const {
   using Lanes = Eigen::Array<double, lanes, 1>;
   Lanes moves[3] = {Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
@@ -229,7 +229,7 @@ void HandleBasis::place_block(std::size_t block, std::span<const double> frames,
   }
 }
 
-/// Computes the normals cof(M) n with Mᵀ = I + Σ_h C_h · frame_h, divided by one common factor.
+/// Computes the normals cof(M) n with Mᵀ = I + Σ_h C_h · pose_h, divided by one common factor.
 void HandleBasis::turn_block(std::size_t block, const MapFrames& frames, Directions& normals) const {
   const float unit = frames.unit;
   using Lanes = Eigen::Array<float, lanes, 1>;
@@ -346,11 +346,11 @@ void HandleBasis::copy_columns(const std::vector<Index>& row_of, HandleBuffers& 
   }
 }
 
-std::vector<Eigen::Matrix<float, 4, 3, Eigen::RowMajor>> HandleBasis::frame_matrices(
+std::vector<Eigen::Matrix<float, 4, 3, Eigen::RowMajor>> HandleBasis::pose_matrices(
     std::span<const HandlePose> poses) const {
   require_affine_poses(handles_, poses);
   std::vector<Eigen::Matrix<float, 4, 3, Eigen::RowMajor>> frames;
-  for (const HandlePose& pose : poses) frames.emplace_back(handle_frame(pose, centre_, scale_).cast<float>());
+  for (const HandlePose& pose : poses) frames.emplace_back(pose_matrix(pose, centre_, scale_).cast<float>());
   return frames;
 }
 

@@ -274,21 +274,21 @@ BlendedMap ReducedField::blend(const Logs& logs, Eigen::Index row, const Columns
   return {rotation_exp(log.head<3>().transpose()) * logs.reference, stretch_exp(log.tail<6>().transpose())};
 }
 
-ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const HandleFrame* frames,
+ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const PoseMatrix* frames,
                                         const Context& context) const {
   const auto handle_rows = static_cast<Eigen::Index>(4 * handle_count_);
-  Columns handle_frames(handle_rows, 3);
+  Columns pose_matrices(handle_rows, 3);
   for (std::size_t h = 0; h < handle_count_; ++h)
-    handle_frames.middleRows<4>(static_cast<Eigen::Index>(4 * h)) = frames[h];
+    pose_matrices.middleRows<4>(static_cast<Eigen::Index>(4 * h)) = frames[h];
   Result result;
   result.coefficients = Columns::Zero(static_cast<Eigen::Index>(width()), 3);
   Logs logs;
-  if (!handle_logs(poses, handle_frames, logs)) {
+  if (!handle_logs(poses, pose_matrices, logs)) {
     result.linear = true;
-    result.coefficients.middleRows(handle_rows, handle_rows) = handle_frames;
+    result.coefficients.middleRows(handle_rows, handle_rows) = pose_matrices;
     return result;
   }
-  result.coefficients.topRows(handle_rows) = handle_frames;
+  result.coefficients.topRows(handle_rows) = pose_matrices;
   std::vector<BlendedMap> at_centres, at_cells;
   for (std::size_t k = 0; k < centres_.size(); ++k)
     at_centres.push_back(blend(logs, static_cast<Eigen::Index>(k), centre_influence_, centre_component_[k]));

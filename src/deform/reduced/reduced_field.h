@@ -8,7 +8,7 @@
 
 #include "deform/solve/constrained_system.h"
 #include "deform/solve/corotation.h"
-#include "deform/solve/handle_frame.h"
+#include "deform/solve/pose_matrix.h"
 #include "deform/solve/rotation_field.h"
 #include "linalg/sparse.h"
 
@@ -57,7 +57,7 @@ class ReducedField {
     double change = 0;
     bool linear = false;
   };
-  Result find(std::span<const HandlePose> poses, const HandleFrame* frames, const Context& context) const;
+  Result find(std::span<const HandlePose> poses, const PoseMatrix* frames, const Context& context) const;
 
  private:
   void spread_logs(const Context& context);

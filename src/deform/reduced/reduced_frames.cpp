@@ -9,7 +9,7 @@
 #include "core/require_between.h"
 #include "deform/deformer_impl.h"
 #include "deform/facts.h"
-#include "deform/solve/handle_frame.h"
+#include "deform/solve/pose_matrix.h"
 #include "linalg/sparse.h"
 #include "reduced_field.h"
 #include "response_columns.h"
@@ -122,8 +122,8 @@ void ReducedFrames::frame(std::span<const HandlePose> poses, Points& positions, 
         .what = facts::core::Rows::positions, .given = positions.rows(), .needed = d.base.rows()});
   ReducedField::Result found;
   if (d.field) {
-    std::vector<HandleFrame> frames;
-    for (const HandlePose& pose : poses) frames.push_back(handle_frame(pose, d.centre, d.scale));
+    std::vector<PoseMatrix> frames;
+    for (const HandlePose& pose : poses) frames.push_back(pose_matrix(pose, d.centre, d.scale));
     found = d.field->find(poses, frames.data(), context);
     d.responses.place(found.coefficients, d.scale, d.base, positions, context);
   } else {

@@ -10,7 +10,7 @@ namespace meshgraft {
 
 // One co-rotational iteration, for all vertices of the surface or for samples of it.
 
-/// The steps stop when the root mean square change of the field falls below this, in radians.
+/// The iterations stop when the root mean square change of the field falls below this, in radians.
 constexpr double settled_change = 1e-3;
 
 /// The map that the constraints alone give at a point of the surface: F = rotation · stretch.

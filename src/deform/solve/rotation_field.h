@@ -21,9 +21,9 @@ class RotationField {
                 const Context& context);
 
   struct Result {
-    ConstrainedSystem::Problem problem;  ///< the field, and the unknowns of the last step
+    ConstrainedSystem::Problem problem;  ///< the field, and the unknowns of the last iteration
     int iterations = 0;                  ///< number of co-rotational iterations performed
-    double change = 0;                   ///< root mean square change that the last step asked for, radians
+    double change = 0;                   ///< root mean square change that the last iteration asked for, radians
     bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
   };
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;

@@ -1,5 +1,5 @@
 import { batch, computed, signal } from "@preact/signals";
-import { FrameKind, type BinaryFrame } from "../../engine/binary_frame";
+import { MessageKind, type BinaryMessage } from "../../engine/binary_message";
 import type { Outcome } from "../../engine/connection";
 import type { DocumentState, Matrix4 } from "../../protocol";
 import {
@@ -36,8 +36,8 @@ export class Graft {
   /** The loop clicked first, which the next click pairs. */
   readonly picked = signal<LoopRef | null>(null);
   readonly activePair = signal(0);
-  /** The binary frame of the latest graft result. */
-  readonly preview = signal<BinaryFrame | null>(null);
+  /** The binary message of the latest graft result. */
+  readonly preview = signal<BinaryMessage | null>(null);
   readonly report = signal<GraftReport | null>(null);
   /** Fields that a slider or the pointer changes for now, on top of the document's. */
   readonly dragged = signal<GraftFields | null>(null);
@@ -230,7 +230,7 @@ export class Graft {
     const { value: dropped } = this.dropped;
     this.dropped.value = null;
     await this.forgetDragged();
-    if (dropped?.isNew === true && this.host.state.value?.undo === "add part")
+    if (dropped?.isNew === true && this.host.state.value?.undo === "add_part")
       await this.host.ask({ do: "undo" });
     this.isBeingDropped.value = null;
   }
@@ -356,10 +356,10 @@ export class Graft {
     }
   }
 
-  /** Handles binary frames that concern grafts. */
-  onFrame(frame: BinaryFrame): void {
-    if (frame.kind === FrameKind.graft) this.takePreview(frame);
-    if (frame.kind === FrameKind.loops) this.takeLoops(frame);
+  /** Handles binary messages that concern grafts. */
+  onMessage(message: BinaryMessage): void {
+    if (message.kind === MessageKind.graft) this.takePreview(message);
+    if (message.kind === MessageKind.loops) this.takeLoops(message);
   }
 
   onEvent(event: GraftReport): void {
@@ -397,18 +397,18 @@ export class Graft {
     this.activePair.value = 0;
   }
 
-  private takePreview(frame: BinaryFrame): void {
-    const { graft = 0, dragged = false } = frame.header;
+  private takePreview(message: BinaryMessage): void {
+    const { graft = 0, dragged = false } = message.header;
     if (graft < this.newest || (this.host.state.value?.graft == null && !dragged)) return;
     if (dragged && this.dragged.value === null) return;
     this.newest = graft;
-    this.preview.value = frame;
+    this.preview.value = message;
   }
 
-  private takeLoops(frame: BinaryFrame): void {
-    const { mesh } = frame.header;
-    const vertices = frame.indices("vertices") ?? new Uint32Array();
-    const offsets = frame.indices("offsets") ?? new Uint32Array();
+  private takeLoops(message: BinaryMessage): void {
+    const { mesh } = message.header;
+    const vertices = message.indices("vertices") ?? new Uint32Array();
+    const offsets = message.indices("offsets") ?? new Uint32Array();
     const positions = this.host.positionsOf(mesh) ?? new Float32Array();
     const shown = Array.from({ length: Math.max(0, offsets.length - 1) }, (_, i): ShownLoop => {
       const own = vertices.subarray(offsets[i], offsets[i + 1]);

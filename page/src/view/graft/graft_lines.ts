@@ -2,7 +2,7 @@ import { DoubleSide, Group, Mesh, ShaderMaterial, Vector3, type Matrix4 } from "
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import type { BinaryFrame } from "../../engine/binary_frame";
+import type { BinaryMessage } from "../../engine/binary_message";
 import { pairColour } from "../../app/graft/graft_colours";
 import type { Surface } from "../surface/surface";
 
@@ -17,12 +17,12 @@ export class MatchLines {
    * `positionOf` returns where a vertex of the source is shown. `targetMatrixWorld` maps the target's coordinates to
    * where it is shown.
    */
-  show(frame: BinaryFrame, positionOf: (vertex: number) => Vector3 | undefined, targetMatrixWorld: Matrix4): void {
+  show(message: BinaryMessage, positionOf: (vertex: number) => Vector3 | undefined, targetMatrixWorld: Matrix4): void {
     this.hide();
-    const sources = frame.indices("line_sources") ?? new Uint32Array();
-    const targetPoints = frame.floats("line_places") ?? new Float32Array();
-    const pairs = frame.indices("line_pairs") ?? new Uint32Array();
-    const [ox = 0, oy = 0, oz = 0] = frame.header.offset ?? [];
+    const sources = message.indices("line_sources") ?? new Uint32Array();
+    const targetPoints = message.floats("line_places") ?? new Float32Array();
+    const pairs = message.indices("line_pairs") ?? new Uint32Array();
+    const [ox = 0, oy = 0, oz = 0] = message.header.offset ?? [];
     const each = Math.max(1, Math.ceil(sources.length / (mostLines * (1 + Math.max(0, ...pairs)))));
     const ends: number[] = [];
     const colours: number[] = [];

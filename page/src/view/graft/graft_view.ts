@@ -2,7 +2,7 @@ import { effect, untracked } from "@preact/signals";
 import { Group, Matrix4, Vector3 } from "three";
 import type { Graft, LoopRef, MeshObject } from "../../app/graft/graft";
 import type { Rows4, Vector3Tuple } from "../../app/graft/graft_step";
-import type { BinaryFrame } from "../../engine/binary_frame";
+import type { BinaryMessage } from "../../engine/binary_message";
 import { layOutParts, type Box } from "./part_layout";
 import { partColour, seamColour } from "../../app/graft/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
@@ -17,7 +17,7 @@ export class GraftView {
   private readonly loops: LoopLines;
   private readonly lines = new MatchLines();
   private readonly ghost = new Ghost();
-  private preview: { frame: BinaryFrame; surface: Surface } | undefined;
+  private preview: { message: BinaryMessage; surface: Surface } | undefined;
   private readonly directions = new Map<string, Vector3Tuple>(); // directions of parts as seen from the model
   private framedKey = ""; // key of the objects in the last framed picture
 
@@ -144,17 +144,17 @@ export class GraftView {
   }
 
   private showPreview(on: boolean): void {
-    const { value: frame } = this.graft.preview;
+    const { value: message } = this.graft.preview;
     const before = this.preview;
-    if (before !== undefined && before.frame !== frame) {
+    if (before !== undefined && before.message !== message) {
       this.group.remove(before.surface.object);
       this.preview = undefined;
     }
-    if (frame !== null && this.preview === undefined) {
-      const surface = this.viewport.surfaceFrom(frame);
-      surface.setTint(tintOf(frame, surface.vertexCount));
-      surface.heat.setSeam(verticesFrom(frame, 2));
-      this.preview = { frame, surface };
+    if (message !== null && this.preview === undefined) {
+      const surface = this.viewport.surfaceFrom(message);
+      surface.setTint(tintOf(message, surface.vertexCount));
+      surface.heat.setSeam(verticesFrom(message, 2));
+      this.preview = { message, surface };
       this.group.add(surface.object);
     }
     const isShown = on && this.graft.arrangement.value !== "apart";
@@ -181,10 +181,10 @@ export class GraftView {
   }
 
   private drawLines(on: boolean, shows: ReadonlySet<number>): void {
-    const { value: frame } = this.graft.preview;
+    const { value: message } = this.graft.preview;
     const source = this.graft.source.value?.mesh ?? -1;
-    if (!on || frame === null || !shows.has(source)) return this.lines.hide();
-    this.lines.show(frame, (vertex) => this.positionOf(source, vertex), this.group.matrix);
+    if (!on || message === null || !shows.has(source)) return this.lines.hide();
+    this.lines.show(message, (vertex) => this.positionOf(source, vertex), this.group.matrix);
   }
 
   private drawGhost(on: boolean): void {
@@ -211,8 +211,8 @@ export class GraftView {
 
   private isPartInView(): boolean {
     if (this.preview === undefined) return true;
-    const { frame, surface } = this.preview;
-    return untracked(() => this.viewport.isInView(surface, verticesFrom(frame, 1)));
+    const { message, surface } = this.preview;
+    return untracked(() => this.viewport.isInView(surface, verticesFrom(message, 1)));
   }
 }
 
@@ -232,9 +232,9 @@ function boxOf(surface: Surface): Box {
 }
 
 /** Returns the vertices of faces by origin: 1 for the part, 2 for new faces between the two. */
-function verticesFrom(frame: BinaryFrame, kind: 1 | 2): Uint32Array {
-  const triangles = frame.indices("triangles") ?? new Uint32Array();
-  const origin = frame.bytes("origin") ?? new Uint8Array();
+function verticesFrom(message: BinaryMessage, kind: 1 | 2): Uint32Array {
+  const triangles = message.indices("triangles") ?? new Uint32Array();
+  const origin = message.bytes("origin") ?? new Uint8Array();
   const vertices = new Set<number>();
   origin.forEach((from, t) => {
     if (from === kind) for (const v of triangles.subarray(3 * t, 3 * t + 3)) vertices.add(v);
@@ -243,10 +243,10 @@ function verticesFrom(frame: BinaryFrame, kind: 1 | 2): Uint32Array {
 }
 
 /** Tints the part weakly in its colour, and the seam strongly. */
-function tintOf(frame: BinaryFrame, vertices: number): Uint8Array {
+function tintOf(message: BinaryMessage, vertices: number): Uint8Array {
   const tint = new Uint8Array(4 * vertices);
-  const triangles = frame.indices("triangles") ?? new Uint32Array();
-  const origin = frame.bytes("origin") ?? new Uint8Array();
+  const triangles = message.indices("triangles") ?? new Uint32Array();
+  const origin = message.bytes("origin") ?? new Uint8Array();
   const paint = (kind: number, colour: typeof seamColour | typeof partColour, strength: number) => {
     for (let t = 0; t < origin.length; ++t)
       if (origin[t] === kind) for (let k = 0; k < 3; ++k) writeTint(tint, triangles[3 * t + k] ?? 0, colour, strength);

@@ -83,7 +83,7 @@ export function deformUniforms(): DeformUniforms {
 }
 
 /**
- * Writes a handle's pose (x' = L x + t, coordinates of the model) like `handle_frame` in src/deform/solve/handle_frame.h, in
+ * Writes a handle's pose (x' = L x + t, coordinates of the model) like `pose_matrix` in src/deform/solve/pose_matrix.h, in
  * the units of weights with this centre and scale. Rows 0 to 2 are (L − I)ᵀ, row 3 is (centre (L − I)ᵀ + tᵀ) / scale.
  * The output is column-major, as the shader reads it: 3 times 4 numbers.
  */

@@ -1,6 +1,6 @@
 import { DataTexture, FloatType, Int32BufferAttribute, IntType, Matrix4, NearestFilter, RGBAFormat } from "three";
 import type { BufferGeometry, ExternalTexture, WebGLRenderer } from "three";
-import type { BinaryFrame } from "../../engine/binary_frame";
+import type { BinaryMessage } from "../../engine/binary_message";
 import { writeFrame, type DeformUniforms } from "./deform_shader";
 import { uploadArray } from "./weight_textures";
 
@@ -40,23 +40,23 @@ export class LinearFrames {
   }
 
   /**
-   * Takes a frame of kind `weights`, with handles in this order, to the GPU. Yields in between. If the weights do not
+   * Takes a message of kind `weights`, with handles in this order, to the GPU. Yields in between. If the weights do not
    * fit, `isReady` stays false and only the engine's frames are shown.
    */
-  *setWeights(frame: BinaryFrame, names: Iterable<string>, renderer: WebGLRenderer): Generator<void, void> {
+  *setWeights(message: BinaryMessage, names: Iterable<string>, renderer: WebGLRenderer): Generator<void, void> {
     this.discardWeights();
     this.renderer = renderer;
     this.names = [...names];
-    const blocks = frame.floats("blocks");
-    const vertices = frame.indices("vertices");
+    const blocks = message.floats("blocks");
+    const vertices = message.indices("vertices");
     const count = this.names.length;
     if (blocks === undefined || vertices === undefined || count === 0) return;
-    const rows = (frame.header.width ?? 0) / (4 * count);
+    const rows = (message.header.width ?? 0) / (4 * count);
     if (rows !== 1 && rows !== 4) return;
-    const maps = frame.floats("maps");
+    const maps = message.floats("maps");
     const weights = yield* this.upload(blocks, 4);
-    const basePositions = yield* this.upload(frame.floats("positions"), 3);
-    const baseNormals = rows === 4 ? yield* this.upload(frame.floats("normals"), 3) : null;
+    const basePositions = yield* this.upload(message.floats("positions"), 3);
+    const baseNormals = rows === 4 ? yield* this.upload(message.floats("normals"), 3) : null;
     const baseMaps = maps?.length ? yield* this.upload(maps, 3) : null;
     if (weights === undefined || basePositions === undefined || baseNormals === undefined || baseMaps === undefined)
       return;
@@ -67,8 +67,8 @@ export class LinearFrames {
     this.uniforms.hasMaps.value = baseMaps !== null;
     this.uniforms.hasTurns.value = rows === 4;
     this.uniforms.handleCount.value = count;
-    this.setUnits(frame);
-    this.numberRows(vertices, frame.indices("rows"));
+    this.setUnits(message);
+    this.numberRows(vertices, message.indices("rows"));
     this.makeFrames(count);
     this.isReady = true;
   }
@@ -110,13 +110,13 @@ export class LinearFrames {
   }
 
   /** Returns whether a frame may replace what the shader shows. */
-  mayReplace(pose: number, quality: string | undefined): boolean {
-    return (quality === undefined || quality === "exact") && pose >= this.newest;
+  mayReplace(pose: number, accuracy: string | undefined): boolean {
+    return (accuracy === undefined || accuracy === "exact") && pose >= this.newest;
   }
 
   /** Notes that a frame of the engine has been shown. */
-  noteStreamed(pose: number, quality: string | undefined): void {
-    if (quality === undefined || quality === "exact") this.exact = Math.max(this.exact, pose);
+  noteStreamed(pose: number, accuracy: string | undefined): void {
+    if (accuracy === undefined || accuracy === "exact") this.exact = Math.max(this.exact, pose);
     this.hideWhenExact();
   }
 
@@ -149,9 +149,9 @@ export class LinearFrames {
     return texture;
   }
 
-  private setUnits(frame: BinaryFrame): void {
-    this.centre = frame.header.offset ?? [0, 0, 0];
-    this.scale = frame.header.scale ?? 1;
+  private setUnits(message: BinaryMessage): void {
+    this.centre = message.header.offset ?? [0, 0, 0];
+    this.scale = message.header.scale ?? 1;
     const [x, y, z] = this.centre;
     this.uniforms.weightsCentre.value.set(x - this.offset[0], y - this.offset[1], z - this.offset[2]);
     this.uniforms.weightsScale.value = this.scale;

@@ -1,4 +1,4 @@
-import type { BinaryFrame } from "../../engine/binary_frame";
+import type { BinaryMessage } from "../../engine/binary_message";
 import { NormalsOfPart } from "./normals";
 import type { Slices } from "./slices";
 import { sameList } from "./spans";
@@ -14,7 +14,7 @@ interface Listeners {
   /** Reports the vertices whose positions or normals have changed; undefined: all. */
   changed: (positions: Uint32Array | undefined, normals: Uint32Array | undefined) => void;
   /** Reports that a frame is completely shown. */
-  shown: (frame: BinaryFrame) => void;
+  shown: (frame: BinaryMessage) => void;
 }
 
 /**
@@ -27,7 +27,7 @@ export class StreamedFrames {
   positions: Float32Array;
   normals: Float32Array;
   private own: { positions: Float32Array; normals: Float32Array } | undefined;
-  private waiting: BinaryFrame | undefined;
+  private waiting: BinaryMessage | undefined;
   private moving: Uint32Array | undefined; // vertices of the last frame; undefined: all
   private moved: NormalsOfPart | undefined; // of `moving`
 
@@ -45,7 +45,7 @@ export class StreamedFrames {
   }
 
   /** Shows the positions of a frame, for all vertices or for those that it lists. The others are at rest. */
-  show(frame: BinaryFrame): void {
+  show(frame: BinaryMessage): void {
     this.waiting = frame;
     if (!this.slices.isRunning("frames")) this.slices.start("frames", this.follow());
   }
@@ -76,7 +76,7 @@ export class StreamedFrames {
     }
   }
 
-  private next(): BinaryFrame | undefined {
+  private next(): BinaryMessage | undefined {
     const frame = this.waiting;
     this.waiting = undefined;
     return frame;

@@ -11,7 +11,7 @@ import {
   type Matrix4,
 } from "three";
 import type { ShaderMaterial, WebGLRenderer } from "three";
-import type { BinaryFrame } from "../../engine/binary_frame";
+import type { BinaryMessage } from "../../engine/binary_message";
 import { deformUniforms } from "./deform_shader";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
@@ -70,22 +70,22 @@ export class Surface {
   private isBefore = false;
 
   constructor(
-    frame: BinaryFrame,
+    message: BinaryMessage,
     private readonly look: LookUniforms,
   ) {
-    this.id = frame.header.mesh;
-    this.rest = frame.floats("positions") ?? new Float32Array();
+    this.id = message.header.mesh;
+    this.rest = message.floats("positions") ?? new Float32Array();
     this.vertexCount = this.rest.length / 3;
-    this.offset = frame.header.offset ?? [0, 0, 0];
-    this.triangles = frame.indices("triangles") ?? new Uint32Array();
-    this.restNormals = frame.floats("normals") ?? new Float32Array(this.rest.length);
+    this.offset = message.header.offset ?? [0, 0, 0];
+    this.triangles = message.indices("triangles") ?? new Uint32Array();
+    this.restNormals = message.floats("normals") ?? new Float32Array(this.rest.length);
     this.streamed = new StreamedFrames(
       { positions: this.rest, normals: this.restNormals, triangles: this.triangles },
       this.slices,
       { changed: (...vertices) => this.takeChanged(...vertices), shown: (shown) => this.noteShown(shown) },
     );
-    this.uv = frame.floats("uv");
-    this.colours = frame.floats("colours");
+    this.uv = message.floats("uv");
+    this.colours = message.floats("colours");
     this.selection = new Uint8Array(this.vertexCount);
     this.tint = new Uint8Array(4 * this.vertexCount);
     this.measure();
@@ -105,7 +105,7 @@ export class Surface {
     this.mesh.frustumCulled = false;
     if (this.uv !== undefined) this.mesh.material.defines["HAS_UV"] = 1;
     if (this.colours !== undefined) this.mesh.material.defines["HAS_COLOURS"] = 1;
-    this.textured = this.texturesOf(frame);
+    this.textured = this.texturesOf(message);
     this.object.add(this.mesh);
     this.object.position.set(...this.offset);
   }
@@ -172,30 +172,30 @@ export class Surface {
   }
 
   /** Takes a frame of kind `frame`: positions of all vertices or of those that it lists. */
-  showFrame(frame: BinaryFrame): void {
-    const { pose = 0, quality } = frame.header;
+  showFrame(frame: BinaryMessage): void {
+    const { pose = 0, accuracy } = frame.header;
     if (frame.indices("vertices")?.length === 0) return this.showRest(frame);
-    if (!this.linear.isShown || this.linear.mayReplace(pose, quality)) this.streamed.show(frame);
+    if (!this.linear.isShown || this.linear.mayReplace(pose, accuracy)) this.streamed.show(frame);
   }
 
   /** Shows all vertices at rest. */
-  private showRest(frame: BinaryFrame): void {
+  private showRest(frame: BinaryMessage): void {
     const wasAtRest = this.streamed.isAtRest;
     this.streamed.showRest();
     if (!wasAtRest) this.useAttributes();
     this.noteShown(frame);
   }
 
-  private noteShown(frame: BinaryFrame): void {
-    this.linear.noteStreamed(frame.header.pose ?? 0, frame.header.quality);
+  private noteShown(frame: BinaryMessage): void {
+    this.linear.noteStreamed(frame.header.pose ?? 0, frame.header.accuracy);
     ++this.version;
     this.heat.renew();
     this.onChange();
   }
 
-  /** Takes a frame of kind `weights`. Once it is on the GPU, `showPoses` moves the surface in the vertex shader. */
-  setWeights(frame: BinaryFrame, renderer: WebGLRenderer): void {
-    this.slices.start("weights", this.linear.setWeights(frame, this.handles.keys(), renderer));
+  /** Takes a message of kind `weights`. Once it is on the GPU, `showPoses` moves the surface in the vertex shader. */
+  setWeights(message: BinaryMessage, renderer: WebGLRenderer): void {
+    this.slices.start("weights", this.linear.setWeights(message, this.handles.keys(), renderer));
   }
 
   /** Shows handles' maps, given by name, in the vertex shader. Returns false without weights. */
@@ -230,12 +230,12 @@ export class Surface {
     this.onChange();
   }
 
-  /** Takes a frame of kind `roles`: region, fixed part and handles. */
-  setRoles(frame: BinaryFrame): void {
-    this.region = frame.indices("region") ?? new Uint32Array();
-    this.fixed = frame.indices("fixed") ?? new Uint32Array();
+  /** Takes a message of kind `roles`: region, fixed part and handles. */
+  setRoles(message: BinaryMessage): void {
+    this.region = message.indices("region") ?? new Uint32Array();
+    this.fixed = message.indices("fixed") ?? new Uint32Array();
     this.handles.clear();
-    for (const [name, vertices] of frame.handles()) this.handles.set(name, vertices);
+    for (const [name, vertices] of message.handles()) this.handles.set(name, vertices);
     this.linear.discardWeights();
     this.deform.linear.value = false;
     this.slices.start("tint", this.paintRoles());
@@ -349,12 +349,12 @@ export class Surface {
   }
 
   /** Makes the textured surface; undefined for a mesh without texture coordinates for its corners. */
-  private texturesOf(frame: BinaryFrame): TexturedSurface | undefined {
-    const pictures = frame.indices("pictures");
-    const uv = frame.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
+  private texturesOf(message: BinaryMessage): TexturedSurface | undefined {
+    const pictures = message.indices("pictures");
+    const uv = message.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
     if (uv === undefined) return undefined;
     const makeMaterial = () => surfaceMaterial(this.look, this.deform, this.own);
-    return new TexturedSurface(this, uv, pictures, frame.pictures(), makeMaterial);
+    return new TexturedSurface(this, uv, pictures, message.pictures(), makeMaterial);
   }
 
   /** Returns the vertices' texture coordinates, one pair for each corner. */

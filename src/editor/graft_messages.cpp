@@ -1,10 +1,10 @@
-#include "graft_frames.h"
+#include "graft_messages.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "mesh_frames.h"
+#include "mesh_messages.h"
 #include "script/fact_json.h"
 
 namespace meshgraft::editor {
@@ -29,7 +29,7 @@ std::vector<std::uint8_t> origins(const MergeOutcome& merge, const Triangulation
   return found;
 }
 
-void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVector3d& offset) {
+void add_lines(BinaryMessage& message, const MergeReport& report, const Eigen::RowVector3d& offset) {
   std::vector<Index> sources, pairs;
   std::vector<float> line_points;
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
@@ -39,9 +39,9 @@ void add_lines(BinaryFrame& frame, const MergeReport& report, const Eigen::RowVe
     const std::vector<float> there = relative_to(offset, pair.target_points);
     line_points.insert(line_points.end(), there.begin(), there.end());
   }
-  frame.add("line_sources", sources);
-  frame.add("line_places", line_points);
-  frame.add("line_pairs", pairs);
+  message.add("line_sources", sources);
+  message.add("line_places", line_points);
+  message.add("line_pairs", pairs);
 }
 
 Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
@@ -104,20 +104,20 @@ Json open_starts_json(const std::vector<OpenStart>& starts) {
 std::vector<std::byte> graft_frame(const ShownGraft& graft) {
   const Eigen::RowVector3d& offset = graft.target.offset;
   const MergeOutcome& merge = *graft.report.merge;
-  BinaryFrame frame(FrameKind::graft, {{"graft", graft.number},
-                                       {"dragged", graft.dragged},
-                                       {"mesh", graft.target.id},
-                                       {"source", graft.source.id},
-                                       {"offset", {offset.x(), offset.y(), offset.z()}},
-                                       {"scale", 1.0},
-                                       {"vertices", graft.mesh.vertex_count()},
-                                       {"faces", graft.mesh.face_count()},
-                                       {"seconds", graft.report.seconds.total}});
+  BinaryMessage message(MessageKind::graft, {{"graft", graft.number},
+                                             {"dragged", graft.dragged},
+                                             {"mesh", graft.target.id},
+                                             {"source", graft.source.id},
+                                             {"offset", {offset.x(), offset.y(), offset.z()}},
+                                             {"scale", 1.0},
+                                             {"vertices", graft.mesh.vertex_count()},
+                                             {"faces", graft.mesh.face_count()},
+                                             {"seconds", graft.report.seconds.total}});
   const Triangulation surface = triangulate(graft.mesh, {.skip_out_of_range = true});
-  add_surface(frame, graft.mesh, surface.triangles, offset);
-  frame.add("origin", origins(merge, surface, graft.mesh.face_count()));
-  add_lines(frame, merge.report, offset);
-  return frame.bytes();
+  add_surface(message, graft.mesh, surface.triangles, offset);
+  message.add("origin", origins(merge, surface, graft.mesh.face_count()));
+  add_lines(message, merge.report, offset);
+  return message.bytes();
 }
 
 Json graft_fields(const ShownGraft& graft) {

@@ -11,8 +11,8 @@ namespace meshgraft {
 /// The change that a handle's affine pose causes, in the units of a patch with this centre and scale. With p
 /// the position at rest in these units, a vertex is displaced by (p, 1) · frame. The first three rows of the
 /// frame are (W − I)ᵀ.
-using HandleFrame = Eigen::Matrix<double, 4, 3, Eigen::RowMajor>;
-HandleFrame handle_frame(const HandlePose& pose, const Eigen::RowVector3d& centre, double scale);
+using PoseMatrix = Eigen::Matrix<double, 4, 3, Eigen::RowMajor>;
+PoseMatrix pose_matrix(const HandlePose& pose, const Eigen::RowVector3d& centre, double scale);
 
 /// Returns the known values of unit frames, four columns per handle: (p, 1) at constrained positions, I at
 /// constrained transforms. Solutions for these values, times the handles' frames, are solutions for the

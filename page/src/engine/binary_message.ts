@@ -1,27 +1,27 @@
-import { FrameKind, type FrameHeader } from "../protocol";
+import { MessageKind, type MessageHeader } from "../protocol";
 
-export { FrameKind };
+export { MessageKind };
 
 const types = { float32: Float32Array, uint32: Uint32Array, uint8: Uint8Array } as const;
 
 const headLength = 24;
 
-/** Assembles frames that arrive in several messages, one after another. */
-export class PartedFrames {
+/** Assembles messages that arrive in parts, one after another. */
+export class PartedMessages {
   private whole = new Uint8Array();
 
   /**
-   * Returns the frame that this message is or completes; undefined while parts are still to come. Throws if a part is
+   * Returns the message that these bytes are or complete; undefined while parts are still to come. Throws if a part is
    * missing.
    */
-  take(message: ArrayBuffer): ArrayBuffer | undefined {
-    const head = new DataView(message);
-    if (message.byteLength < headLength || head.getUint32(0, true) !== 0x5046474d) return message;
+  take(bytes: ArrayBuffer): ArrayBuffer | undefined {
+    const head = new DataView(bytes);
+    if (bytes.byteLength < headLength || head.getUint32(0, true) !== 0x5046474d) return bytes;
     const at = Number(head.getBigUint64(8, true));
     const length = Number(head.getBigUint64(16, true));
     if (at === 0) this.whole = new Uint8Array(length);
-    const part = new Uint8Array(message, headLength);
-    if (this.whole.length !== length) throw new Error("a part of a frame is missing");
+    const part = new Uint8Array(bytes, headLength);
+    if (this.whole.length !== length) throw new Error("a part of a message is missing");
     this.whole.set(part, at);
     if (at + part.length < length) return undefined;
     const { buffer } = this.whole;
@@ -40,30 +40,30 @@ interface OwnedArray {
 }
 
 /** A binary message of the engine: its header and its arrays, which are views into the message's bytes. */
-export class BinaryFrame {
+export class BinaryMessage {
   private readonly arrays = new Map<string, NumberArray>();
   private readonly owned: OwnedArray[] = [];
 
   private constructor(
-    readonly kind: FrameKind,
-    readonly header: FrameHeader,
+    readonly kind: MessageKind,
+    readonly header: MessageHeader,
   ) {}
 
   /** Parses a message. Throws if `bytes` are not a valid one. */
-  static parse(bytes: ArrayBuffer): BinaryFrame {
+  static parse(bytes: ArrayBuffer): BinaryMessage {
     const start = new DataView(bytes);
-    if (bytes.byteLength < 12 || start.getUint32(0, true) !== 0x3146474d) throw new Error("not a frame of meshgraft");
+    if (bytes.byteLength < 12 || start.getUint32(0, true) !== 0x3146474d) throw new Error("not a message of meshgraft");
     const length = start.getUint32(8, true);
-    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 12, length))) as FrameHeader;
-    const frame = new BinaryFrame(start.getUint32(4, true), header);
+    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 12, length))) as MessageHeader;
+    const message = new BinaryMessage(start.getUint32(4, true), header);
     let at = 12 + length;
     for (const { name, of: owner, type, length } of header.arrays) {
       const array = new types[type](bytes, at, length);
-      if (owner === undefined) frame.arrays.set(name, array);
-      else frame.owned.push({ name, owner, array });
+      if (owner === undefined) message.arrays.set(name, array);
+      else message.owned.push({ name, owner, array });
       at += 4 * Math.ceil(array.byteLength / 4);
     }
-    return frame;
+    return message;
   }
 
   /** Returns the vertices of each handle, by its name. */

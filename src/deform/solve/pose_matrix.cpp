@@ -1,4 +1,4 @@
-#include "handle_frame.h"
+#include "pose_matrix.h"
 
 #include <cmath>
 
@@ -11,9 +11,9 @@
 
 namespace meshgraft {
 
-HandleFrame handle_frame(const HandlePose& pose, const Eigen::RowVector3d& centre, double scale) {
+PoseMatrix pose_matrix(const HandlePose& pose, const Eigen::RowVector3d& centre, double scale) {
   const Eigen::Matrix3d change = (pose.transform.linear() - Eigen::Matrix3d::Identity()).transpose();
-  HandleFrame frame;
+  PoseMatrix frame;
   frame.topRows<3>() = change;
   frame.row(3) = (centre * change + pose.transform.translation().transpose()) / scale;
   return frame;

@@ -7,7 +7,7 @@
 #include <meshgraft/deform/live_deformer.h>
 #include <meshgraft/deform/quick_frames.h>
 
-#include "binary_frame.h"
+#include "binary_message.h"
 #include "folders.h"
 #include "objects.h"
 
@@ -19,7 +19,7 @@ namespace meshgraft::editor {
 std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, const Folders& folders);
 
 /// Adds positions relative to `offset`, triangles, normals, uv and colours of a mesh.
-void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangles,
+void add_surface(BinaryMessage& message, const Mesh& mesh, const Triangles& triangles,
                  const Eigen::RowVector3d& offset);
 
 /// Returns the boundary loops of an object.

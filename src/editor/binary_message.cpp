@@ -1,4 +1,4 @@
-#include "binary_frame.h"
+#include "binary_message.h"
 
 #include <algorithm>
 #include <array>
@@ -8,28 +8,28 @@
 
 namespace meshgraft::editor {
 
-static_assert(std::endian::native == std::endian::little, "frames are little-endian as they stand in memory");
+static_assert(std::endian::native == std::endian::little, "messages are little-endian as they stand in memory");
 
-void BinaryFrame::add(std::string_view name, std::span<const float> values, const Json& of) {
+void BinaryMessage::add(std::string_view name, std::span<const float> values, const Json& of) {
   append({{"name", name}, {"of", of}, {"type", "float32"}, {"length", values.size()}}, std::as_bytes(values));
 }
 
-void BinaryFrame::add(std::string_view name, std::span<const Index> values, const Json& of) {
+void BinaryMessage::add(std::string_view name, std::span<const Index> values, const Json& of) {
   append({{"name", name}, {"of", of}, {"type", "uint32"}, {"length", values.size()}}, std::as_bytes(values));
 }
 
-void BinaryFrame::add(std::string_view name, std::span<const std::uint8_t> values, const Json& of) {
+void BinaryMessage::add(std::string_view name, std::span<const std::uint8_t> values, const Json& of) {
   append({{"name", name}, {"of", of}, {"type", "uint8"}, {"length", values.size()}}, std::as_bytes(values));
 }
 
-void BinaryFrame::append(Json description, std::span<const std::byte> bytes) {
+void BinaryMessage::append(Json description, std::span<const std::byte> bytes) {
   if (description["of"].is_null()) description.erase("of");
   header_["arrays"].push_back(std::move(description));
   arrays_.insert(arrays_.end(), bytes.begin(), bytes.end());
   arrays_.resize((arrays_.size() + 3) / 4 * 4);
 }
 
-std::vector<std::byte> BinaryFrame::bytes() const {
+std::vector<std::byte> BinaryMessage::bytes() const {
   std::string json = header_.dump();
   json.resize((json.size() + 3) / 4 * 4, ' ');
   std::array<char, 12> start{'M', 'G', 'F', '1'};
@@ -44,12 +44,12 @@ std::vector<std::byte> BinaryFrame::bytes() const {
   return all;
 }
 
-ByteParts parts_of(std::span<const std::byte> frame) {
+ByteParts parts_of(std::span<const std::byte> message) {
   ByteParts parts;
-  for (std::size_t at = 0; at < frame.size(); at += part_bytes) {
-    const std::span<const std::byte> bytes = frame.subspan(at, std::min(part_bytes, frame.size() - at));
+  for (std::size_t at = 0; at < message.size(); at += part_bytes) {
+    const std::span<const std::byte> bytes = message.subspan(at, std::min(part_bytes, message.size() - at));
     const std::array<char, 8> start{'M', 'G', 'F', 'P'};
-    const std::array<std::uint64_t, 2> numbers{at, frame.size()};
+    const std::array<std::uint64_t, 2> numbers{at, message.size()};
     std::vector<std::byte>& part = parts.emplace_back(start.size() + sizeof numbers + bytes.size());
     std::memcpy(part.data(), start.data(), start.size());
     std::memcpy(part.data() + start.size(), numbers.data(), sizeof numbers);

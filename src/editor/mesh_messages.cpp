@@ -1,4 +1,4 @@
-#include "mesh_frames.h"
+#include "mesh_messages.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,22 +35,23 @@ std::span<const float> numbers_of(const Matrix& matrix) {
 
 }  // namespace
 
-void add_surface(BinaryFrame& frame, const Mesh& mesh, const Triangles& triangles,
+void add_surface(BinaryMessage& message, const Mesh& mesh, const Triangles& triangles,
                  const Eigen::RowVector3d& offset) {
-  frame.add("positions", relative_to(offset, mesh.positions));
-  frame.add("triangles", std::span<const Index>(triangles.data(), static_cast<std::size_t>(triangles.size())));
-  frame.add("normals", relative_to(Eigen::RowVector3d::Zero(), vertex_normals(mesh)));
+  message.add("positions", relative_to(offset, mesh.positions));
+  message.add("triangles",
+              std::span<const Index>(triangles.data(), static_cast<std::size_t>(triangles.size())));
+  message.add("normals", relative_to(Eigen::RowVector3d::Zero(), vertex_normals(mesh)));
   if (const Attribute* uv = mesh.find_attribute(Domain::vertex, "uv"); uv != nullptr && uv->components == 2)
-    frame.add("uv", to_floats(uv->values, 1));
+    message.add("uv", to_floats(uv->values, 1));
   if (const Attribute* colour = mesh.find_attribute(Domain::vertex, "colour");
       colour != nullptr && colour->components == 3)
-    frame.add("colours", to_floats(colour->values, colour->type == ScalarType::uint8 ? 255 : 1));
+    message.add("colours", to_floats(colour->values, colour->type == ScalarType::uint8 ? 255 : 1));
 }
 
 namespace {
 
 // Adds the uv of the corners of triangles, 2 numbers each.
-void add_corner_uv(BinaryFrame& frame, const Object& object) {
+void add_corner_uv(BinaryMessage& message, const Object& object) {
   const Mesh& mesh = object.mesh();
   const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
   if (uv == nullptr || uv->components != 2) return;
@@ -66,7 +67,7 @@ void add_corner_uv(BinaryFrame& frame, const Object& object) {
         numbers.push_back(std::isfinite(uv->values[at + i]) ? static_cast<float>(uv->values[at + i]) : 0.0F);
     }
   }
-  frame.add("corner_uv", numbers);
+  message.add("corner_uv", numbers);
 }
 
 // Returns the bytes of a texture image. Returns an empty string where it must not be read, cannot be read, or
@@ -108,7 +109,7 @@ Pictures pictures_of(const Mesh& mesh) {
 }
 
 // Adds texture images and, per triangle, the number of its image.
-void add_textures(BinaryFrame& frame, const Object& object, const Folders& folders) {
+void add_textures(BinaryMessage& message, const Object& object, const Folders& folders) {
   const auto [numbers, textures] = pictures_of(object.mesh());
   std::vector<Index> sent;  // number of the image in the message, or 0 where it cannot be shown
   Index count = 0;
@@ -117,7 +118,7 @@ void add_textures(BinaryFrame& frame, const Object& object, const Folders& folde
     sent.push_back(bytes.empty() ? 0 : ++count);
     if (bytes.empty()) continue;
     const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
-    frame.add("picture", std::span(begin, bytes.size()), count);
+    message.add("picture", std::span(begin, bytes.size()), count);
   }
   if (count == 0) return;
   std::vector<Index> pictures;
@@ -126,7 +127,7 @@ void add_textures(BinaryFrame& frame, const Object& object, const Folders& folde
     const bool is_known = number >= 0 && number < static_cast<double>(sent.size());
     pictures.push_back(is_known ? sent[static_cast<std::size_t>(number)] : 0);
   }
-  frame.add("pictures", pictures);
+  message.add("pictures", pictures);
 }
 
 }  // namespace
@@ -137,11 +138,11 @@ std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, c
   header["role"] = role;
   header["vertices"] = object.mesh().vertex_count();
   header["faces"] = object.mesh().face_count();
-  BinaryFrame frame(FrameKind::mesh, std::move(header));
-  add_surface(frame, object.mesh(), object.triangles, object.offset);
-  add_corner_uv(frame, object);
-  add_textures(frame, object, folders);
-  return frame.bytes();
+  BinaryMessage message(MessageKind::mesh, std::move(header));
+  add_surface(message, object.mesh(), object.triangles, object.offset);
+  add_corner_uv(message, object);
+  add_textures(message, object, folders);
+  return message.bytes();
 }
 
 std::vector<std::byte> loops_frame(const Object& object) {
@@ -150,10 +151,10 @@ std::vector<std::byte> loops_frame(const Object& object) {
     vertices.insert(vertices.end(), loop.begin(), loop.end());
     offsets.push_back(static_cast<Index>(vertices.size()));
   }
-  BinaryFrame frame(FrameKind::loops, {{"mesh", object.id}});
-  frame.add("vertices", vertices);
-  frame.add("offsets", offsets);
-  return frame.bytes();
+  BinaryMessage message(MessageKind::loops, {{"mesh", object.id}});
+  message.add("vertices", vertices);
+  message.add("offsets", offsets);
+  return message.bytes();
 }
 
 std::vector<Index> moving_vertices(const Object& base, const Region& region) {
@@ -172,14 +173,14 @@ std::vector<std::byte> position_frame(const Object& base, const std::vector<Inde
   const bool all = 4 * moving.size() > 3 * static_cast<std::size_t>(positions.rows());
   Json header = header_of(base);
   header["pose"] = frame.pose;
-  header["quality"] = to_string(frame.quality);
+  header["accuracy"] = to_string(frame.accuracy);
   header["seconds"] = frame.seconds;
   if (frame.error_rel) header["error_rel"] = *frame.error_rel;
   const auto count = all ? positions.rows() : static_cast<Eigen::Index>(moving.size());
   Points sent(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
     sent.row(i) = positions.row(base.weld.of(all ? static_cast<Index>(i) : moving[i]));
-  BinaryFrame bytes(FrameKind::frame, std::move(header));
+  BinaryMessage bytes(MessageKind::frame, std::move(header));
   bytes.add("positions", relative_to(base.offset, sent));
   if (!all) bytes.add("vertices", moving);
   return bytes.bytes();
@@ -212,33 +213,33 @@ std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basi
   const Eigen::RowVector3d& c = buffers.centre;
   Json header = {{"mesh", base.id}, {"offset", {c.x(), c.y(), c.z()}}, {"scale", buffers.scale}};
   header["width"] = buffers.blocks.cols();
-  BinaryFrame frame(FrameKind::weights, std::move(header));
+  BinaryMessage message(MessageKind::weights, std::move(header));
   if (base.weld.empty()) {
-    frame.add("vertices", buffers.vertices);
+    message.add("vertices", buffers.vertices);
   } else {
     const Followers followers = followers_of(base, buffers.vertices);
-    frame.add("vertices", followers.vertices);
-    frame.add("rows", followers.rows);
+    message.add("vertices", followers.vertices);
+    message.add("rows", followers.rows);
   }
-  frame.add("positions", numbers_of(buffers.positions));
-  frame.add("normals", numbers_of(buffers.normals));
-  frame.add("maps", numbers_of(buffers.maps));
-  frame.add("blocks", numbers_of(buffers.blocks));
-  return frame.bytes();
+  message.add("positions", numbers_of(buffers.positions));
+  message.add("normals", numbers_of(buffers.normals));
+  message.add("maps", numbers_of(buffers.maps));
+  message.add("blocks", numbers_of(buffers.blocks));
+  return message.bytes();
 }
 
 std::vector<std::byte> selection_frame(const Object& base, const std::vector<Index>& selection) {
-  BinaryFrame frame(FrameKind::selection, {{"mesh", base.id}});
-  frame.add("vertices", selection);
-  return frame.bytes();
+  BinaryMessage message(MessageKind::selection, {{"mesh", base.id}});
+  message.add("vertices", selection);
+  return message.bytes();
 }
 
 std::vector<std::byte> roles_frame(const Object& base, const Region& region) {
-  BinaryFrame frame(FrameKind::roles, {{"mesh", base.id}, {"whole", region.whole}});
-  frame.add("region", region.vertices);
-  frame.add("fixed", region.fixed);
-  for (const Handle& handle : region.handles) frame.add("handle", handle.vertices, handle.name);
-  return frame.bytes();
+  BinaryMessage message(MessageKind::roles, {{"mesh", base.id}, {"whole", region.whole}});
+  message.add("region", region.vertices);
+  message.add("fixed", region.fixed);
+  for (const Handle& handle : region.handles) message.add("handle", handle.vertices, handle.name);
+  return message.bytes();
 }
 
 }  // namespace meshgraft::editor

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes a C++ enumeration of the kinds of binary messages that the editor's protocol describes.
 
-    tools/frame_kinds.py SCHEMA OUT.h
+    tools/message_kinds.py SCHEMA OUT.h
 """
 
 import json
@@ -10,10 +10,10 @@ from pathlib import Path
 
 
 def header(schema):
-    kinds = schema["$defs"]["frame_kind"]["oneOf"]
-    lines = ["// Made from src/editor/protocol.schema.json by tools/frame_kinds.py.", "#pragma once", "",
+    kinds = schema["$defs"]["message_kind"]["oneOf"]
+    lines = ["// Made from src/editor/protocol.schema.json by tools/message_kinds.py.", "#pragma once", "",
              "#include <cstdint>", "", "namespace meshgraft::editor {", "",
-             "/// The kinds of binary messages, each with its arrays.", "enum class FrameKind : std::uint32_t {"]
+             "/// The kinds of binary messages, each with its arrays.", "enum class MessageKind : std::uint32_t {"]
     lines += [f"  {kind['title']} = {kind['const']},  ///< {kind['description']}" for kind in kinds]
     return "\n".join(lines + ["};", "", "}  // namespace meshgraft::editor", ""])
 

@@ -1,8 +1,8 @@
 import { expect, test } from "vitest";
-import { BinaryFrame, FrameKind } from "../../src/engine/binary_frame";
+import { BinaryMessage, MessageKind } from "../../src/engine/binary_message";
 
 /** Returns the bytes of a message whose header lists these arrays. */
-function messageOf(kind: FrameKind, arrays: object[], bytes: number[]): ArrayBuffer {
+function messageOf(kind: MessageKind, arrays: object[], bytes: number[]): ArrayBuffer {
   const json = JSON.stringify({ mesh: 1, arrays });
   const header = new TextEncoder().encode(json.padEnd(4 * Math.ceil(json.length / 4)));
   const start = new Uint32Array([0x3146474d, kind, header.length]);
@@ -11,9 +11,9 @@ function messageOf(kind: FrameKind, arrays: object[], bytes: number[]): ArrayBuf
 
 test("an array without `of` is found by its name, one with it by what it belongs to", () => {
   const indices = (name: string, of: string | undefined, length: number) => ({ name, of, type: "uint32", length });
-  const roles = BinaryFrame.parse(
+  const roles = BinaryMessage.parse(
     messageOf(
-      FrameKind.roles,
+      MessageKind.roles,
       [indices("fixed", undefined, 1), indices("handle", "a: b", 2), indices("handle", "fixed", 0)],
       [7, 0, 0, 0, 8, 0, 0, 0, 9, 0, 0, 0],
     ),
@@ -26,7 +26,7 @@ test("an array without `of` is found by its name, one with it by what it belongs
 
 test("pictures have numbers, and are padded to 4 bytes", () => {
   const picture = (of: number, length: number) => ({ name: "picture", of, type: "uint8", length });
-  const mesh = BinaryFrame.parse(messageOf(FrameKind.mesh, [picture(1, 1), picture(2, 2)], [5, 0, 0, 0, 6, 7, 0, 0]));
+  const mesh = BinaryMessage.parse(messageOf(MessageKind.mesh, [picture(1, 1), picture(2, 2)], [5, 0, 0, 0, 6, 7, 0, 0]));
   expect([...mesh.pictures()]).toEqual([[1, Uint8Array.from([5])], [2, Uint8Array.from([6, 7])]]);
   expect(mesh.handles().size).toBe(0);
 });

@@ -10,7 +10,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
-#include "editor/frame_kind.h"
+#include "editor/message_kind.h"
 #include "protocol.h"
 
 namespace meshgraft::editor {
@@ -18,10 +18,10 @@ namespace meshgraft::editor {
 /// A binary message that carries arrays of numbers to the page. Its bytes, all little-endian:
 ///   "MGF1", kind (uint32), length of the JSON (uint32, a multiple of 4), the JSON, padded with blanks,
 ///   then the arrays that its field `arrays` lists as {name, of, type, length}, one after another, each
-///   padded to 4 bytes. Only arrays of which a frame has several by one name have `of`.
-class BinaryFrame {
+///   padded to 4 bytes. Only arrays of which a message has several by one name have `of`.
+class BinaryMessage {
  public:
-  BinaryFrame(FrameKind kind, Json header) : kind_(kind), header_(std::move(header)) {
+  BinaryMessage(MessageKind kind, Json header) : kind_(kind), header_(std::move(header)) {
     header_["arrays"] = Json::array();
   }
 
@@ -37,19 +37,19 @@ class BinaryFrame {
  private:
   void append(Json description, std::span<const std::byte> bytes);
 
-  FrameKind kind_;
+  MessageKind kind_;
   Json header_;
   std::vector<std::byte> arrays_;
 };
 
-/// Largest part of a frame in one message, bytes. A browser assembles and copies a message on the page's
+/// Largest part of a message, bytes. A browser assembles and copies what the socket delivers on the page's
 /// thread and blocks it meanwhile.
 constexpr std::size_t part_bytes = std::size_t{1} << 22;
 
-/// Splits a frame into messages of at most `part_bytes` plus a header. The bytes of a message, all
-/// little-endian: "MGFP", 0 (uint32), offset of the part in the frame (uint64), length of the frame (uint64),
-/// the part.
-ByteParts parts_of(std::span<const std::byte> frame);
+/// Splits a message into parts of at most `part_bytes`, each with a header. The bytes of a part, all
+/// little-endian: "MGFP", 0 (uint32), its offset in the message (uint64), length of the message (uint64), and
+/// the bytes from there on.
+ByteParts parts_of(std::span<const std::byte> message);
 
 /// Returns positions relative to `offset` in single precision, 3 numbers per point.
 std::vector<float> relative_to(const Eigen::RowVector3d& offset, const Points& points);

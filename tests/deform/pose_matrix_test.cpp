@@ -1,4 +1,4 @@
-#include "deform/solve/handle_frame.h"
+#include "deform/solve/pose_matrix.h"
 
 #include <cmath>
 #include <limits>
@@ -14,13 +14,13 @@
 namespace meshgraft {
 namespace {
 
-TEST(HandleFrame, DisplacesAsThePoseDoes) {
+TEST(PoseMatrix, DisplacesAsThePoseDoes) {
   for (const test::TestMesh& mesh : test::small_families())
     for (const auto& [name, linear] : test::linear_maps()) {
       const Eigen::Affine3d map = test::about_middle(mesh, linear);
       for (const double scale : {0.25, 1.0, 64.0}) {
         const Eigen::RowVector3d centre = mesh.positions.colwise().mean();
-        const HandleFrame frame = handle_frame(test::pose_of(map), centre, scale);
+        const PoseMatrix frame = pose_matrix(test::pose_of(map), centre, scale);
         for (Index v = 0; v < mesh.size(); ++v) {
           const Eigen::RowVector3d p = mesh.positions.row(v), local = (p - centre) / scale;
           const Eigen::RowVector3d moved = (map * Eigen::Vector3d(p.transpose())).transpose();
@@ -32,9 +32,9 @@ TEST(HandleFrame, DisplacesAsThePoseDoes) {
     }
 }
 
-TEST(HandleFrame, IsExactlyZeroAtRest) { EXPECT_TRUE(handle_frame({}, {1e9, -3, 0.1}, 4).isZero(0)); }
+TEST(PoseMatrix, IsExactlyZeroAtRest) { EXPECT_TRUE(pose_matrix({}, {1e9, -3, 0.1}, 4).isZero(0)); }
 
-TEST(HandleFrame, IsLinearInTheChangeOfThePose) {
+TEST(PoseMatrix, IsLinearInTheChangeOfThePose) {
   Eigen::Affine3d one = Eigen::Affine3d::Identity(), other = one, sum = one;
   one.linear() << 1, 0.5, 0, -0.25, 2, 0, 0, 1, 1;
   one.translation() << 1, 2, 3;
@@ -42,11 +42,11 @@ TEST(HandleFrame, IsLinearInTheChangeOfThePose) {
   other.translation() << -4, 0, 0.5;
   sum.matrix() = one.matrix() + other.matrix() - Eigen::Matrix4d::Identity();
   const Eigen::RowVector3d centre(1, -2, 0.5);
-  EXPECT_EQ(handle_frame(test::pose_of(sum), centre, 2),
-            handle_frame(test::pose_of(one), centre, 2) + handle_frame(test::pose_of(other), centre, 2));
+  EXPECT_EQ(pose_matrix(test::pose_of(sum), centre, 2),
+            pose_matrix(test::pose_of(one), centre, 2) + pose_matrix(test::pose_of(other), centre, 2));
 }
 
-TEST(HandleFrame, NumbersThatAreNotFiniteAreRefused) {
+TEST(PoseMatrix, NumbersThatAreNotFiniteAreRefused) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e101}) {
     HandlePose by_map, by_rotation, by_curve;
@@ -61,7 +61,7 @@ TEST(HandleFrame, NumbersThatAreNotFiniteAreRefused) {
   EXPECT_NO_THROW(validate(HandlePose{}, "handle 'a'"));
 }
 
-TEST(HandleFrame, OnlyAffinePosesHaveOne) {
+TEST(PoseMatrix, OnlyAffinePosesHaveOne) {
   const std::vector<Handle> handles{{.name = "a"}, {.name = "b"}};
   std::vector<HandlePose> poses(2);
   EXPECT_NO_THROW(require_affine_poses(handles, poses));

@@ -31,7 +31,7 @@ Json graft_fields(const ShownGraft& graft);
 /// Returns the field `open_starts` of the event `graft`.
 Json open_starts_json(const std::vector<OpenStart>& starts);
 
-/// Returns an element of `Stage::found`.
+/// Returns an element of `StepInputs::found`.
 Json found_json(const MergeOutcome& merge);
 
 /// Returns the rows of a 4×4 matrix.
