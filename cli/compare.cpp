@@ -88,8 +88,7 @@ bool is_comparison(const std::filesystem::path& file) {
 void require_ours(const ComparisonFiles& files, const std::vector<Method>& methods,
                   const CompareArguments& arguments, const EditFile& edit) {
   if (!std::filesystem::exists(files.folder)) return require_writable(files.folder);
-  if (!std::filesystem::is_directory(files.folder))
-    throw Error(facts::cli::NotAFolder{}, files.folder.string());
+  if (!std::filesystem::is_directory(files.folder)) throw Error(facts::cli::NotAFolder{}, files.folder);
   std::vector<std::filesystem::path> inputs = referenced_files(edit);
   inputs.push_back(arguments.edit);
   const bool ours = is_comparison(files.json());
@@ -97,7 +96,7 @@ void require_ours(const ComparisonFiles& files, const std::vector<Method>& metho
     require_not_an_input(file, inputs, facts::cli::FolderHoldsInput{});
     require_writable(file);
     if (!ours && std::filesystem::exists(std::filesystem::symlink_status(file)))
-      throw Error(facts::cli::FolderNotOurs{}, file.string());
+      throw Error(facts::cli::FolderNotOurs{}, file);
   }
 }
 
@@ -167,7 +166,7 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
   unstoppable.stop_token = {};
   std::error_code failure;
   std::filesystem::create_directory(files.folder, failure);
-  if (failure) throw Error(facts::core::FileSystem{.reason = failure.message()}, files.folder.string());
+  if (failure) throw Error(facts::core::FileSystem{.reason = failure.message()}, files.folder);
   comparison.outputs = {files.json().string(), files.text().string()};
 #ifdef MESHGRAFT_HAS_RENDER
   comparison.outputs.push_back(files.sheet().string());

@@ -3,6 +3,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,6 +33,9 @@
 namespace meshgraft::cli {
 
 namespace {
+
+// The name of the edit that options make, in the locations of its errors.
+constexpr const char* plain_edit_name = "command line";
 
 struct MergeArguments {
   std::filesystem::path target, source, output, report, picture, save_edit;  // `target` may be the edit file
@@ -87,7 +91,7 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
     const auto values = numbers<double>(text, option);
     if (values.size() == 3) return Eigen::Vector3d(values[0], values[1], values[2]);
   }
-  throw Error(facts::cli::NotAVertex{.text = text}, option);
+  throw Error(facts::cli::NotAVertex{.text = text}, Location::place(option));
 }
 
 // Returns the vertex or point to drop the source on, and the source loop to use.
@@ -101,7 +105,7 @@ std::vector<MatchSpec> matches_from(const std::vector<std::string>& texts, const
   std::vector<MatchSpec> matches;
   for (const std::string& text : texts) {
     const std::size_t colon = text.find(':');
-    if (colon == std::string::npos) throw Error(facts::cli::NotAMatch{.text = text}, option);
+    if (colon == std::string::npos) throw Error(facts::cli::NotAMatch{.text = text}, Location::place(option));
     matches.push_back(
         {vertex_from(text.substr(colon + 1), option), vertex_from(text.substr(0, colon), option)});
   }
@@ -160,7 +164,7 @@ EditFile plain_edit(const MergeArguments& arguments) {
   edit.inputs.push_back({.name = "target", .file = from_there(arguments.target)});
   edit.steps.push_back({{}, {}, std::move(step)});
   // The parser checks the edit.
-  return parse_edit(write_edit(edit), "command line", folder);
+  return parse_edit(write_edit(edit), plain_edit_name, folder);
 }
 
 // Refuses options that contradict each other.
@@ -196,20 +200,18 @@ std::string repeated(const std::string& option, const std::vector<std::string>& 
   return number < values.size() ? option + " " + values[number] : option;
 }
 
-// Returns the option behind a field of the plain step, e.g. "--match 3:7" for "matches[0]".
-std::string option_behind(const MergeArguments& arguments, const std::string& field) {
-  const std::string word = field.substr(0, field.find_first_of(".["));
-  const std::size_t bracket = field.find('[');
-  const std::size_t number =
-      bracket == std::string::npos
-          ? 0
-          : numbers<std::size_t>(field.substr(bracket + 1, field.find(']') - bracket - 1), field).front();
+// Returns the option behind a field of the plain step, e.g. "--match 3:7" for `matches[0]`. `parts` begin in
+// the step.
+std::string option_behind(const MergeArguments& arguments, std::span<const LocationPart> parts) {
+  const std::string& word = parts.front().name;
+  const std::size_t number = parts.size() > 1 ? parts[1].index : 0;
   if (word == "pairs") return arguments.pairs.empty() ? "" : repeated("--pair", arguments.pairs, number);
   if (word == "matches" && number < arguments.starts.size())
     return repeated("--start", arguments.starts, number);
   if (word == "matches") return repeated("--match", arguments.matches, number - arguments.starts.size());
   if (word == "align") return repeated("--align", arguments.align, number);
-  if (field == "at.source_loop") return arguments.source_loop ? "--source-loop" : "--at";
+  if (word == "at" && parts.size() > 1 && parts[1].name == "source_loop")
+    return arguments.source_loop ? "--source-loop" : "--at";
   for (const auto& [name, option] : {std::pair{"at", "--at"},
                                      {"size", "--size"},
                                      {"reach", "--reach"},
@@ -218,27 +220,29 @@ std::string option_behind(const MergeArguments& arguments, const std::string& fi
                                      {"normal_angle_deg", "--normal-angle"},
                                      {"source_transform", "--align"}})
     if (word == name) return option;
-  return field;
+  return word;
+}
+
+bool is_of_document(const LocationPart& part) {
+  return part.kind == LocationPart::Kind::field || part.kind == LocationPart::Kind::element;
 }
 
 // Returns the error with the option or file that caused it as its location. The user never wrote the fields
 // of the plain edit.
 Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
-  constexpr std::string_view steps = "command line: steps[0]", inputs = "command line: inputs.";
-  std::string location = error.location();
-  if (location.starts_with(inputs)) {
-    const std::size_t inner = location.find(": ", inputs.size());
-    const bool of_source = location.substr(inputs.size()).starts_with("source");
-    location = inner != std::string::npos ? location.substr(inner + 2)
-                                          : (of_source ? arguments.source : arguments.target).string();
-  } else if (location.starts_with(steps)) {
-    location.erase(0, steps.size());
-    std::string field = location.substr(0, location.find(": "));
-    std::string inner = location.size() > field.size() ? location.substr(field.size() + 2) : "";
-    if (field.starts_with('.')) field = option_behind(arguments, field.substr(1));
-    location = field + (field.empty() || inner.empty() ? "" : ": ") + inner;
+  const Location& location = error.location();
+  const Location edit = Location::file(plain_edit_name), inputs = edit / "inputs", step = (edit / "steps")[0];
+  const std::span<const LocationPart> parts = location.parts();
+  if (location.starts_with(inputs) && parts.size() > 2) {
+    if (parts.size() > 3) return error.at(location.from(3));
+    return error.at(parts[2].name == "source" ? arguments.source : arguments.target);
   }
-  return error.at(location);
+  if (!location.starts_with(step)) return error;
+  std::size_t inner = 3;
+  while (inner < parts.size() && is_of_document(parts[inner])) ++inner;
+  if (inner == 3) return error.at(location.from(3));
+  const std::string option = option_behind(arguments, parts.subspan(3));
+  return error.at((option.empty() ? Location() : Location::place(option)) / location.from(inner));
 }
 
 EditFile edit_from(const MergeArguments& arguments) {
@@ -246,7 +250,7 @@ EditFile edit_from(const MergeArguments& arguments) {
     require_sense(arguments);
     return plain_edit(arguments);
   }
-  if (arguments.target.extension() != ".json") throw Error(facts::cli::NoSource{}, arguments.target.string());
+  if (arguments.target.extension() != ".json") throw Error(facts::cli::NoSource{}, arguments.target);
   for (const CLI::Option* option : arguments.plain_options)
     if (option->count() > 0) throw Error(facts::cli::OptionOfPlainMerge{.option = option->get_name()});
   return read_edit_file(arguments.target);

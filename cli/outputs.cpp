@@ -49,10 +49,9 @@ void require_distinct(const Outputs& outputs) {
   const std::vector<fs::path> all = outputs.all();
   for (auto output = all.begin(); output != all.end(); ++output) {
     if (std::any_of(all.begin(), output, [&](const fs::path& other) { return same_file(*output, other); }))
-      throw Error(facts::cli::OutputsOfOneName{}, output->string());
+      throw Error(facts::cli::OutputsOfOneName{}, *output);
     for (const fs::path& mesh : outputs.meshes())
-      if (is_companion_of(mesh, *output))
-        throw Error(facts::cli::CompanionOfOutput{.mesh = mesh}, output->string());
+      if (is_companion_of(mesh, *output)) throw Error(facts::cli::CompanionOfOutput{.mesh = mesh}, *output);
   }
 }
 
@@ -74,18 +73,18 @@ std::vector<fs::path> Outputs::meshes() const {
 void require_not_an_input(const fs::path& output, const std::vector<fs::path>& inputs, const Fact& error) {
   if (std::any_of(inputs.begin(), inputs.end(),
                   [&](const fs::path& input) { return same_file(output, input); }))
-    throw Error(error, output.string());
+    throw Error(error, output);
 }
 
 void require_png(const fs::path& output) {
   if (output.extension() != ".png" && output.extension() != ".PNG")
-    throw Error(facts::cli::NotAPicture{}, output.string());
+    throw Error(facts::cli::NotAPicture{}, output);
 }
 
 void require_writable(const fs::path& output) {
   const fs::path folder = folder_of(output);
-  if (!fs::is_directory(folder)) throw Error(facts::cli::NoSuchFolder{}, folder.string());
-  if (!output.has_filename() || fs::is_directory(output)) throw Error(facts::io::IsFolder{}, output.string());
+  if (!fs::is_directory(folder)) throw Error(facts::cli::NoSuchFolder{}, folder);
+  if (!output.has_filename() || fs::is_directory(output)) throw Error(facts::io::IsFolder{}, output);
   if (fs::exists(output)) require_access(platform::check_may_write(output), output);
   if (!fs::exists(output) || fs::is_regular_file(output))
     require_access(platform::check_may_create_in(folder), output);
@@ -110,7 +109,7 @@ void require_outputs(const Outputs& outputs, const std::vector<fs::path>& inputs
       behind.erase(behind.begin());
       if (std::any_of(behind.begin(), behind.end(),
                       [&](const fs::path& file) { return same_file(output, file); }))
-        throw Error(facts::cli::BelongsToInput{.input = input}, output.string());
+        throw Error(facts::cli::BelongsToInput{.input = input}, output);
     }
   }
   for (const fs::path& mesh : meshes) require_mesh_format(mesh);

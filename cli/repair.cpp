@@ -164,10 +164,10 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
   check_repair_outputs(arguments);
   context.step("read");
   const Mesh given = read_mesh(arguments.mesh, context);
-  if (given.face_count() == 0) throw Error(facts::cli::NoFacesToRepair{}, arguments.mesh.string());
+  if (given.face_count() == 0) throw Error(facts::cli::NoFacesToRepair{}, arguments.mesh);
   const RepairResult result = repair(given, repair_options_of(arguments), context);
   if (result.mesh.face_count() == 0 && !arguments.dry_run)
-    throw Error(facts::cli::NoFacesLeft{}, arguments.mesh.string());
+    throw Error(facts::cli::NoFacesLeft{}, arguments.mesh);
   const Diagnostics left = check_mesh(result.mesh, context);
   WrittenRepair written;
   write_repair_outputs(arguments, given, result, written, context);

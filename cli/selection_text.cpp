@@ -18,7 +18,7 @@ EditSelection beyond(double length, const std::vector<Index>& loops) {
 }
 
 EditSelection box(const std::vector<double>& values, const std::string& option) {
-  if (values.size() != 6) throw Error(facts::cli::NotABox{.count = values.size()}, option);
+  if (values.size() != 6) throw Error(facts::cli::NotABox{.count = values.size()}, Location::place(option));
   return {Selection::Box{Eigen::Map<const Eigen::Vector3d>(values.data()),
                          Eigen::Map<const Eigen::Vector3d>(values.data() + 3)}};
 }
@@ -26,7 +26,7 @@ EditSelection box(const std::vector<double>& values, const std::string& option) 
 template <class Number>
 Number one_number(const std::string& text, const std::string& option) {
   const auto values = numbers<Number>(text, option);
-  if (values.size() != 1) throw Error(facts::cli::NotOneNumber{.text = text}, option);
+  if (values.size() != 1) throw Error(facts::cli::NotOneNumber{.text = text}, Location::place(option));
   return values.front();
 }
 
@@ -45,7 +45,7 @@ EditSelection selection_from(const std::string& text, const std::vector<Index>& 
     if (word == "box") return box(numbers<double>(rest, option), option);
     if (word == "beyond") return beyond(one_number<double>(rest, option), loops);
   }
-  throw Error(facts::cli::NotASelection{.text = text, .forms = selection_forms}, option);
+  throw Error(facts::cli::NotASelection{.text = text, .forms = selection_forms}, Location::place(option));
 }
 
 }  // namespace meshgraft::cli

@@ -19,21 +19,21 @@ Plane plane_from(const std::string& text, const std::string& option) {
     plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
     return plane;
   }
-  throw Error(facts::cli::NotAPlane{.text = text}, option);
+  throw Error(facts::cli::NotAPlane{.text = text}, Location::place(option));
 }
 
 }  // namespace
 
 Plane parse_plane(const std::string& text, const std::string& option) {
   const Plane plane = plane_from(text, option);
-  if (plane.normal.isZero(0)) throw Error(facts::cli::ZeroNormal{}, option);
+  if (plane.normal.isZero(0)) throw Error(facts::cli::ZeroNormal{}, Location::place(option));
   return plane;
 }
 
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option) {
   const auto values = numbers<Index>(text, option, ':');
   if (values.size() != 2 || values[0] < 0 || values[1] < 0)
-    throw Error(facts::cli::NotAPair{.text = text}, option);
+    throw Error(facts::cli::NotAPair{.text = text}, Location::place(option));
   return {values[0], values[1]};
 }
 

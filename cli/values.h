@@ -25,11 +25,12 @@ std::vector<T> numbers(std::string_view text, const std::string& option, char se
     T value{};
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error == std::errc::result_out_of_range)
-      throw Error(facts::cli::NumberTooLargeOrSmall{.text = word}, option);
+      throw Error(facts::cli::NumberTooLargeOrSmall{.text = word}, Location::place(option));
     if (error != std::errc() || end != word.data() + word.size())
-      throw Error(facts::cli::NotANumber{.text = word, .separator = std::string(1, separator)}, option);
+      throw Error(facts::cli::NotANumber{.text = word, .separator = std::string(1, separator)},
+                  Location::place(option));
     if constexpr (std::is_floating_point_v<T>)
-      if (!std::isfinite(value)) throw Error(facts::cli::NotFinite{.text = word}, option);
+      if (!std::isfinite(value)) throw Error(facts::cli::NotFinite{.text = word}, Location::place(option));
     values.push_back(value);
     if (word.size() == text.size()) return values;
     text.remove_prefix(word.size() + 1);

@@ -36,7 +36,7 @@ void require_finite(const VertexConstraint& constraint) {
   if ((constraint.position && !(constraint.position->cwiseAbs().maxCoeff() < largest)) ||
       (constraint.transform && !(constraint.transform->cwiseAbs().maxCoeff() < largest)))
     throw Error(facts::baselines::ConstraintNotFinite{.vertex = constraint.vertex},
-                fmt::format("the constraint of vertex {}", constraint.vertex));
+                Location::place(fmt::format("the constraint of vertex {}", constraint.vertex)));
 }
 
 Given read_constraints(const DeformProblem& edit) {
@@ -47,7 +47,7 @@ Given read_constraints(const DeformProblem& edit) {
   Given given{mask_of_region(count, edit.region), std::vector<const VertexConstraint*>(edit.rest.rows())};
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
-    const std::string location = fmt::format("constraint {}", c);
+    const Location location = Location("constraints")[c];
     require_vertex(constraint.vertex, count, location);
     if (given.constraint[constraint.vertex] != nullptr)
       throw Error(facts::deform::VertexNamedTwice{.vertex = constraint.vertex}, location);

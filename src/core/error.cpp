@@ -25,22 +25,22 @@ std::string_view to_string(ErrorCode code) noexcept {
 
 struct Error::Data {
   Fact fact;
-  std::string location;
+  Location location;
   std::vector<Note> notes;
   std::string what;
 };
 
 namespace {
 
-std::string sentence_of(const Fact& fact, const std::string& location, const std::vector<Note>& notes) {
-  std::string sentence = error_sentence(location, fact.text(), fact.remedy());
+std::string sentence_of(const Fact& fact, const Location& location, const std::vector<Note>& notes) {
+  std::string sentence = error_sentence(location.text(), fact.text(), fact.remedy());
   for (const Note& note : notes) sentence = error_sentence({}, sentence, note.text());
   return sentence;
 }
 
 }  // namespace
 
-Error::Error(Fact fact, std::string location) {
+Error::Error(Fact fact, Location location) {
   std::string what = sentence_of(fact, location, {});
   data_ = std::make_shared<const Data>(Data{std::move(fact), std::move(location), {}, std::move(what)});
 }
@@ -51,11 +51,11 @@ ErrorCode Error::code() const noexcept { return data_->fact.type().code.value_or
 
 const Fact& Error::fact() const noexcept { return data_->fact; }
 
-const std::string& Error::location() const noexcept { return data_->location; }
+const Location& Error::location() const noexcept { return data_->location; }
 
 std::span<const Note> Error::notes() const noexcept { return data_->notes; }
 
-Error Error::at(std::string location) const {
+Error Error::at(Location location) const {
   Data data = *data_;
   data.location = std::move(location);
   data.what = sentence_of(data.fact, data.location, data.notes);
@@ -64,9 +64,7 @@ Error Error::at(std::string location) const {
   return error;
 }
 
-Error Error::within(std::string_view outer) const {
-  return at(std::string(outer) + (location().empty() ? "" : ": " + location()));
-}
+Error Error::within(const Location& outer) const { return at(outer / location()); }
 
 Error Error::with(Note note) const {
   Data data = *data_;
@@ -87,7 +85,7 @@ std::string error_sentence(std::string_view location, std::string_view problem, 
 
 std::string sentence(const Error& error, const Wording& wording) {
   const FactText text = wording(error.fact());
-  std::string whole = error_sentence(error.location(), text.statement, text.remedy);
+  std::string whole = error_sentence(error.location().text(), text.statement, text.remedy);
   for (const Note& note : error.notes()) whole = error_sentence({}, whole, sentence(note, wording));
   return whole;
 }
@@ -105,7 +103,7 @@ Error current_error() {
   } catch (const std::bad_alloc&) {
     return Error(facts::core::OutOfMemory{});
   } catch (const std::filesystem::filesystem_error& error) {
-    return Error(facts::core::FileSystem{.reason = error.code().message()}, error.path1().string());
+    return Error(facts::core::FileSystem{.reason = error.code().message()}, error.path1());
   } catch (const std::exception& error) {
     return Error(facts::core::Bug{.what = error.what()});
   }

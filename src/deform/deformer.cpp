@@ -176,8 +176,7 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
         .what = facts::core::Rows::maps, .given = field.size(), .needed = system.rest().rows()});
   for (std::size_t v = 0; v < field.size(); ++v)
     if (!field[v].allFinite())
-      throw Error(facts::core::NotFinite{.what = facts::core::Quantity::map},
-                  fmt::format("field, vertex {}", v));
+      throw Error(facts::core::NotFinite{.what = facts::core::Quantity::map}, Location("field")[v]);
   ConstrainedSystem::Problem local;
   local.field.smoothness.resize(3 * system.patch().size(), 3);
   for (Index v = 0; v < system.patch().size(); ++v)

@@ -15,10 +15,10 @@ namespace meshgraft {
 
 namespace {
 
-std::string location_of(const Handle& handle) { return "handle '" + handle.name + "'"; }
+Location location_of(const Handle& handle) { return Location::handle(handle.name); }
 
 void require_vertices(const Handle& handle, Index vertex_count) {
-  const std::string location = location_of(handle);
+  const Location location = location_of(handle);
   if (handle.vertices.empty()) throw Error(facts::deform::NoVertices{}, location);
   for (const Index v : handle.vertices) require_vertex(v, vertex_count, location);
 }

@@ -1,7 +1,6 @@
 #include "document.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,7 +14,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* document_name = "edit";
-constexpr const char* in_document = "edit: ";
 
 fs::path rebased(const std::string& file, const fs::path& from, const fs::path& to) {
   const fs::path path(file);
@@ -31,20 +29,17 @@ void rebase_files(Json& json, const fs::path& from, const fs::path& to) {
   for (Json& part : json) rebase_files(part, from, to);
 }
 
-// Takes a beginning off a text, if it begins so.
-bool drop(std::string_view& text, std::string_view beginning) {
-  if (!text.starts_with(beginning)) return false;
-  text.remove_prefix(beginning.size());
-  return true;
+using Part = LocationPart;
+
+bool is_document(const Location& location) {
+  return !location.empty() && location.parts().front() == Part{Part::Kind::file, document_name};
 }
 
-// Takes "5]" off a text.
-std::size_t take_index(std::string_view& text) {
-  std::size_t index = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), index);
-  text.remove_prefix(end - text.data());
-  drop(text, "]");
-  return index;
+// Returns whether the parts from `at` on begin with an element of this list.
+bool is_element(const Location& location, std::size_t at, std::string_view list) {
+  const std::vector<Part>& parts = location.parts();
+  return at + 1 < parts.size() && parts[at].kind == Part::Kind::field && parts[at].name == list &&
+         parts[at + 1].kind == Part::Kind::element;
 }
 
 bool is_empty(const EditSelection& selection) {
@@ -66,35 +61,36 @@ Document make_document(const Json& json, const fs::path& base_folder) {
   return parse_document(json.dump(-1, ' ', false, Json::error_handler_t::replace), base_folder);
 }
 
-ErrorLocation parts_of_location(std::string_view location) {
-  ErrorLocation parts;
-  if (location == document_name) return parts;
-  if (fs::path(location).is_absolute()) parts.file = location;
-  if (drop(location, in_document) && drop(location, "steps[")) {
-    parts.step = take_index(location);
-    drop(location, ".") || drop(location, ": ");
+ErrorLocation parts_of_location(const Location& location) {
+  const std::vector<Part>& parts = location.parts();
+  ErrorLocation told;
+  std::size_t inner = is_document(location) ? 1 : 0;
+  if (inner == 1 && is_element(location, 1, "steps")) {
+    told.step = parts[2].index;
+    inner = 3;
   }
-  parts.rest = location;
-  if (drop(location, "handle '")) parts.handle = location.substr(0, location.rfind('\''));
-  if (drop(location, "pairs[")) parts.pair = take_index(location);
-  return parts;
+  told.rest = location.from(inner).text();
+  if (is_element(location, inner, "pairs")) told.pair = parts[inner + 1].index;
+  for (std::size_t i = inner; i < parts.size(); ++i) {
+    if (parts[i].kind == Part::Kind::handle) told.handle = parts[i].name;
+    if (parts[i].kind == Part::Kind::file && !told.file) told.file = location.from(i).text();
+  }
+  return told;
 }
 
 Error with_handle_name(const Error& error, const Json& document) {
-  std::string_view rest = error.location();
-  if (!drop(rest, in_document) || !drop(rest, "steps[")) return error;
-  const std::size_t step = take_index(rest);
-  if (!drop(rest, ".handles[")) return error;
-  const std::size_t handle = take_index(rest);
+  const Location& location = error.location();
+  if (!is_document(location) || !is_element(location, 1, "steps") || !is_element(location, 3, "handles"))
+    return error;
+  const std::size_t step = location.parts()[2].index, handle = location.parts()[4].index;
   const Json::json_pointer name(fmt::format("/steps/{}/handles/{}/name", step, handle));
   if (!document.contains(name) || !document[name].is_string()) return error;
-  return error.at(
-      fmt::format("{}steps[{}]: handle '{}'{}", in_document, step, document[name].get<std::string>(), rest));
+  return error.at((Location::file(document_name) / "steps")[step] /
+                  Location::handle(document[name].get<std::string>()) / location.from(5));
 }
 
 Error in_file(const Error& error, const fs::path& file) {
-  std::string_view inner = error.location();
-  return drop(inner, document_name) ? error.at(file.string() + std::string(inner)) : error;
+  return is_document(error.location()) ? error.at(Location(file) / error.location().from(1)) : error;
 }
 
 Json new_edit(const std::string& name, const Json& input) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/location.h>
 #include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::editor {
@@ -29,7 +30,7 @@ Document make_document(const Json& json, const std::filesystem::path& base_folde
 /// Makes a document from its bytes, or from those of an edit file.
 Document parse_document(std::string_view text, const std::filesystem::path& base_folder);
 
-/// The location of an error, such as "edit: steps[2]: handle 'nose'", in the parts that the page names.
+/// The location of an error in the parts that the page names.
 struct ErrorLocation {
   std::optional<std::size_t> step;    ///< index from 0; none: outside the steps
   std::optional<std::string> handle;  ///< its name
@@ -37,8 +38,7 @@ struct ErrorLocation {
   std::optional<std::string> file;    ///< a path, with the line or the field in it
   std::string rest;                   ///< in the step, or in the document: "settings.stiffness"
 };
-/// Takes a location apart. One outside the document is a file or all in `rest`.
-ErrorLocation parts_of_location(std::string_view location);
+ErrorLocation parts_of_location(const Location& location);
 
 /// Returns the error with a location that has the name of a handle in place of its number in the document.
 Error with_handle_name(const Error& error, const Json& document);

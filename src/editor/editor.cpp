@@ -25,7 +25,7 @@ class UploadFolder {
   UploadFolder() {
     std::error_code error;
     path_ = platform::make_private_folder(fs::temp_directory_path() / "meshgraft-uploads-", error);
-    if (error) throw Error(facts::editor::NoUploadFolder{}, path_.string());
+    if (error) throw Error(facts::editor::NoUploadFolder{}, path_);
     path_ = fs::canonical(path_);
   }
   ~UploadFolder() {

@@ -86,15 +86,15 @@ Document sample_document(const std::string& name, int resolution, const fs::path
 void require_no_input(const fs::path& file, const Document& document) {
   for (const fs::path& input : referenced_files(document.edit))
     for (const fs::path& behind : files_behind(input))
-      if (fs::weakly_canonical(behind) == file) throw Error(facts::editor::InputOfEdit{}, file.string());
+      if (fs::weakly_canonical(behind) == file) throw Error(facts::editor::InputOfEdit{}, file);
 }
 
 // Throws io.file_exists or editor.file_changed unless the existing file is the edit's own and unchanged since
 // it was last read or written. The page then asks whether to replace it.
 void require_own(const fs::path& file, const Workspace::Source& source) {
-  if (file != source.edit) throw Error(facts::io::FileExists{.file = file}, file.string());
+  if (file != source.edit) throw Error(facts::io::FileExists{.file = file}, file);
   if (sha256(read_file(file)) != source.edit_sha256)
-    throw Error(facts::editor::FileChanged{.file = file}, file.string());
+    throw Error(facts::editor::FileChanged{.file = file}, file);
 }
 
 // Copies uploads into the folder of the edit, because they last no longer than the program or the journal.
@@ -255,7 +255,7 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
   if (name == "edit" && file.extension() != ".json")
     fields.required(name).fail(facts::editor::EditNameNotJson{});
   if (!shared_.upload_folder.empty() && file.parent_path() == shared_.upload_folder)
-    throw Error(facts::editor::NoFolder{}, asked);
+    throw Error(facts::editor::NoFolder{}, Location::file(asked));
   if (fs::exists(file) && !overwrite) require_own(file, open_one().source());
   require_no_input(file, open_one().document());
   return file;

@@ -35,7 +35,7 @@ void require_honest_name(const fs::path& path) {
   std::array<char, 4> start{};
   std::ifstream(path, std::ios::binary).read(start.data(), start.size());
   if (std::string_view(start.data(), start.size()) == "glTF")
-    throw Error(facts::editor::GltfByAnotherName{}, path.string());
+    throw Error(facts::editor::GltfByAnotherName{}, path);
 }
 
 // Refuses names that are longer than any file system allows.
@@ -44,13 +44,13 @@ void require_short_names(const fs::path& path) {
   for (const fs::path& part : path)
     if (part.native().size() > most_bytes)
       throw Error(facts::editor::NameTooLong{.bytes = part.native().size(), .most = most_bytes},
-                  whole_characters(part.string(), 60) + "…");
+                  Location::file(whole_characters(part.string(), 60) + "…"));
 }
 
 }  // namespace
 
 void require_file(const fs::path& file, const fs::path& asked) {
-  if (fs::is_directory(file)) throw Error(facts::io::IsFolder{}, asked.string());
+  if (fs::is_directory(file)) throw Error(facts::io::IsFolder{}, asked);
   if (!fs::is_regular_file(file))
     throw io::file_error(asked, facts::io::Action::read,
                          std::make_error_code(std::errc::no_such_file_or_directory));
@@ -60,14 +60,13 @@ Folders::Folders(const std::vector<fs::path>& folders) {
   for (const fs::path& folder : folders) {
     std::error_code failed;
     const fs::path root = fs::canonical(folder, failed);
-    if (failed || !fs::is_directory(root)) throw Error(facts::editor::NoSuchFolder{}, folder.string());
+    if (failed || !fs::is_directory(root)) throw Error(facts::editor::NoSuchFolder{}, folder);
     if (std::find(roots_.begin(), roots_.end(), root) == roots_.end()) roots_.push_back(root);
   }
 }
 
 fs::path Folders::inside(const fs::path& path) const {
-  if (path.native().find('\0') != std::string::npos)
-    throw Error(facts::editor::ZeroByte{}, path.filename().string());
+  if (path.native().find('\0') != std::string::npos) throw Error(facts::editor::ZeroByte{}, path.filename());
   require_short_names(path);
   const fs::path given = path.is_absolute() || roots_.empty() ? path : roots_.front() / path;
   std::error_code failed;
@@ -75,7 +74,7 @@ fs::path Folders::inside(const fs::path& path) const {
   if (!failed && leads.is_absolute())
     for (const fs::path& root : roots_)
       if (is_below(leads, root)) return leads;
-  throw Error(facts::editor::OutsideFolders{}, path.string());
+  throw Error(facts::editor::OutsideFolders{}, path);
 }
 
 fs::path Folders::mesh_to_read(const fs::path& path) const {

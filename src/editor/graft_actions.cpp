@@ -72,7 +72,7 @@ void reverse_all(Json& matches) {
 }  // namespace
 
 void require_no_graft(const EditFile& edit, const std::string& what) {
-  if (merge_in_work(edit) != nullptr) throw Error(facts::editor::GraftInWork{}, what);
+  if (merge_in_work(edit) != nullptr) throw Error(facts::editor::GraftInWork{}, Location::field(what));
 }
 
 Json file_input(const fs::path& folder, const fs::path& file) {

@@ -28,7 +28,7 @@ namespace {
 constexpr int most_sessions = 9;  // open at once on one model
 
 void require_written(const std::error_code& error, const fs::path& path) {
-  if (error) throw Error(facts::editor::JournalNotWritten{.reason = error.message()}, path.string());
+  if (error) throw Error(facts::editor::JournalNotWritten{.reason = error.message()}, path);
 }
 
 fs::path numbered(const fs::path& stem, int number) {

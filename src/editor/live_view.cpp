@@ -22,8 +22,8 @@ namespace meshgraft::editor {
 
 namespace {
 
-std::string location_of(const Document& document) {
-  return fmt::format("{}: steps[{}]", document.edit.location, *step_in_work(document.edit));
+Location location_of(const Document& document) {
+  return (Location::file(document.edit.location) / "steps")[*step_in_work(document.edit)];
 }
 
 // Returns whether a live frame of the region, driven by handles alone, shows exactly what the step computes.

@@ -23,7 +23,7 @@ std::vector<Request> RequestQueue::push(Request request) {
     needless = take_out([&](const Request& other) { return other.what == request.what; });
     if (request.what == "open" && running_ && running_->what == "open") stop_.request_stop();
   }
-  if (waiting_.size() >= limit) throw Error(facts::editor::TooManyRequests{}, request.what);
+  if (waiting_.size() >= limit) throw Error(facts::editor::TooManyRequests{}, Location::field(request.what));
   waiting_.push_back(std::move(request));
   changed_.notify_all();
   return needless;

@@ -61,7 +61,8 @@ void Worker::receive(std::string_view text) {
 void Worker::queue(Request request) {
   const Json id = request.id;
   const auto refuse = [&](const std::vector<Request>& needless) {
-    for (const Request& one : needless) outbox_.refuse(one.id, Error(facts::core::Cancelled{}, one.what));
+    for (const Request& one : needless)
+      outbox_.refuse(one.id, Error(facts::core::Cancelled{}, Location::field(one.what)));
   };
   const bool is_of_set_up = request.message.contains("of") && request.message["of"].is_null();
   if (request.what == "cancel" && !is_of_set_up) {

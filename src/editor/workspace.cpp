@@ -188,8 +188,8 @@ std::optional<Eigen::Affine3d> Workspace::placement_of_last_drop() {
   for (const char* field : {"size", "normal_angle_deg", "settings", "shape"}) step.erase(field);
   const Json key = {target->id, source->id, step, selections_used(document.json, step)};
   if (!placement_ || placement_key_ != key) {
-    const std::string location =
-        fmt::format("{}: steps[{}]", document.edit.location, document.edit.steps.size() - 1);
+    const Location location =
+        (Location::file(document.edit.location) / "steps")[document.edit.steps.size() - 1];
     placement_.emplace(document.edit, *merge, location, target->state(), source->state());
     placement_key_ = key;
   }

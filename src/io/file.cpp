@@ -48,7 +48,7 @@ void require(const std::error_code& error, const fs::path& path, Action action) 
 void require_name(const fs::path& path) {
   if (path.empty()) throw Error(facts::io::NoFileName{});
   if (path.native().find('\0') != fs::path::string_type::npos)
-    throw Error(facts::io::NameWithNul{}, path.string().c_str());
+    throw Error(facts::io::NameWithNul{}, Location::file(path.c_str()));
 }
 
 }  // namespace
@@ -56,7 +56,7 @@ void require_name(const fs::path& path) {
 namespace io {
 
 Error file_error(const fs::path& path, Action action, const std::error_code& error) {
-  return {system_fault(action, error), path.string()};
+  return {system_fault(action, error), path};
 }
 
 /// A temporary file in the folder of its target, removed again unless it became the target.
@@ -142,7 +142,7 @@ void write_through(const fs::path& path, std::string_view content) {
 }
 
 [[noreturn]] void refuse_existing(const fs::path& path) {
-  throw Error(facts::io::FileExists{.file = path}, path.string());
+  throw Error(facts::io::FileExists{.file = path}, path);
 }
 
 }  // namespace
@@ -156,7 +156,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
   const fs::file_status old = fs::status(path, error);
   const bool exists = fs::exists(old);
   if (!exists && error != std::errc::no_such_file_or_directory) fail(path, Action::write, error);
-  if (fs::is_directory(old)) throw Error(facts::io::IsFolder{}, path.string());
+  if (fs::is_directory(old)) throw Error(facts::io::IsFolder{}, path);
   if (exists && !fs::is_regular_file(old)) {
     for_device_ = content;
     return;
@@ -210,7 +210,7 @@ std::string read_file(const fs::path& path) {
   require(error, path, Action::open);
   const File::Status status = file.status(error);
   require(error, path, Action::read);
-  if (status.type == fs::file_type::directory) throw Error(facts::io::IsFolder{}, path.string());
+  if (status.type == fs::file_type::directory) throw Error(facts::io::IsFolder{}, path);
 
   // Reads by pieces through a buffer that stays in the cache. Resizing the string to its full size first
   // would fill all of it with zeros.

@@ -61,8 +61,8 @@ const io::Format* format_named_by(const std::filesystem::path& path) {
 const io::Format& format_of_extension(const std::filesystem::path& path) {
   if (const io::Format* format = format_named_by(path)) return *format;
   const std::string extension = lower_case_extension(path);
-  if (extension.empty()) throw Error(facts::io::NoExtension{.known = known_extensions()}, path.string());
-  throw Error(facts::io::UnknownExtension{.extension = extension, .known = known_extensions()}, path.string());
+  if (extension.empty()) throw Error(facts::io::NoExtension{.known = known_extensions()}, path);
+  throw Error(facts::io::UnknownExtension{.extension = extension, .known = known_extensions()}, path);
 }
 
 const io::Format& format_of_content(std::string_view content, const std::filesystem::path& path) {
@@ -76,7 +76,7 @@ void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std
   require_morph_targets(path);
   if (target.rest.rows() != mesh.positions.rows())
     throw Error(facts::io::MorphTargetSize{.rows = target.rest.rows(), .vertices = mesh.positions.rows()},
-                path.string());
+                path);
 }
 
 }  // namespace
@@ -84,7 +84,7 @@ void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std
 Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
   context.step("read", 0);
   std::string content = read_file(path);
-  if (content.empty()) throw Error(facts::io::EmptyFile{}, path.string());
+  if (content.empty()) throw Error(facts::io::EmptyFile{}, path);
   const io::Format& format = format_of_content(content, path);
   Mesh mesh = format.read(std::move(content), path.string(), context);
   context.step("read", 1);
@@ -100,7 +100,7 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
   try {
     written = format.write(mesh, path, options, context);
   } catch (const Error& error) {
-    throw error.code() == ErrorCode::cancelled ? error : error.within(path.string());
+    throw error.code() == ErrorCode::cancelled ? error : error.within(path);
   }
   context.throw_if_stopped();
   WriteResult result{{path}, std::move(written.notes)};
@@ -124,7 +124,7 @@ std::string unit_of(const Mesh& mesh) {
 void require_mesh_format(const std::filesystem::path& path) { format_of_extension(path); }
 
 void require_morph_targets(const std::filesystem::path& path) {
-  if (!format_of_extension(path).has_morph_targets) throw Error(facts::io::NoMorphTargets{}, path.string());
+  if (!format_of_extension(path).has_morph_targets) throw Error(facts::io::NoMorphTargets{}, path);
 }
 
 std::vector<std::filesystem::path> files_behind(const std::filesystem::path& path) {

@@ -42,8 +42,8 @@ std::vector<Word> words_of(std::string_view text) {
   return words;
 }
 
-std::string line_of(const std::string& location, const Word& word) {
-  return location + ", line " + std::to_string(word.line);
+Location line_of(const Location& location, const Word& word) {
+  return location / Location::place("line " + std::to_string(word.line));
 }
 
 std::string shortened(std::string_view text) {
@@ -62,7 +62,7 @@ std::optional<Number> parse_number(std::string_view text) {
 
 }  // namespace
 
-SelRoles parse_sel(std::string_view text, Index vertex_count, const std::string& location) {
+SelRoles parse_sel(std::string_view text, Index vertex_count, const Location& location) {
   SelRoles sel;
   Index vertex = 0;
   for (const Word& word : words_of(text)) {
@@ -85,7 +85,7 @@ SelRoles parse_sel(std::string_view text, Index vertex_count, const std::string&
   return sel;
 }
 
-std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& location) {
+std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const Location& location) {
   Flags seen(vertex_count, false);
   std::vector<Index> indices;
   for (const Word& word : words_of(text)) {
@@ -100,7 +100,7 @@ std::vector<Index> parse_indices(std::string_view text, Index vertex_count, cons
   return indices;
 }
 
-Eigen::Matrix4d parse_def(std::string_view text, const std::string& location) {
+Eigen::Matrix4d parse_def(std::string_view text, const Location& location) {
   Eigen::Matrix4d matrix;
   int entry = 0;
   for (const Word& word : words_of(text)) {

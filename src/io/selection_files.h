@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -18,16 +19,16 @@ struct SelRoles {
 /// Parses the text of a `.sel` file; `#` starts a comment. Throws Error(input) with `location` and the line
 /// for anything but 0, 1 or 2, and for a count that differs from the mesh's (io.fewer_states_than_vertices,
 /// io.more_states_than_vertices).
-SelRoles parse_sel(std::string_view text, Index vertex_count, const std::string& location);
+SelRoles parse_sel(std::string_view text, Index vertex_count, const Location& location);
 
 /// Parses vertex indices (from 0) separated by white space, and returns them in their order. `#` starts a
 /// comment, and repeated indices are dropped. Throws Error(input) with `location` and the line for anything
 /// else and for an index out of range.
-std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const std::string& location);
+std::vector<Index> parse_indices(std::string_view text, Index vertex_count, const Location& location);
 
 /// Parses a `.def` file: an affine 4×4 matrix as 16 numbers, row by row; `#` starts a comment. Throws
 /// Error(input) with `location` and the line for anything else, for a non-finite number, and for a last row
 /// other than 0 0 0 1.
-Eigen::Matrix4d parse_def(std::string_view text, const std::string& location);
+Eigen::Matrix4d parse_def(std::string_view text, const Location& location);
 
 }  // namespace meshgraft

@@ -10,7 +10,8 @@ namespace meshgraft::io {
 void require_text(std::string_view content, const std::string& name, std::string_view format) {
   const std::size_t zero = content.find('\0');
   if (zero == std::string_view::npos) return;
-  throw Error(facts::io::NotText{.format = format}, name + ", byte " + std::to_string(zero));
+  throw Error(facts::io::NotText{.format = format},
+              Location::file(name) / Location::place("byte " + std::to_string(zero)));
 }
 
 WordCursor::WordCursor(std::string_view content, const std::string& name, Comments comments, std::size_t offset)
@@ -68,8 +69,8 @@ void WordCursor::fail_number(std::string_view word, ScalarType type, const Value
 void WordCursor::fail(Fact fact) const { fail(std::move(fact), {}, -1); }
 
 void WordCursor::fail(Fact fact, std::string_view element, Index number) const {
-  std::string location = *name_ + ", " + line_name(content_, word_begin_);
-  if (number >= 0) location += ", " + std::string(element) + " " + std::to_string(number);
+  Location location = Location::file(*name_) / Location::place(line_name(content_, word_begin_));
+  if (number >= 0) location = location / Location::place(std::string(element) + " " + std::to_string(number));
   throw Error(std::move(fact), std::move(location));
 }
 

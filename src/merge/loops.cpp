@@ -30,7 +30,7 @@ class MeshLoops {
   }
 
   /// Returns the list in the direction of the mesh's loop. Throws where it is not one whole simple loop.
-  std::vector<Index> require_loop(const std::vector<Index>& listed, const std::string& location) const {
+  std::vector<Index> require_loop(const std::vector<Index>& listed, const Location& location) const {
     if (loops_.empty()) throw Error(facts::merge::NoBoundaryLoop{.side = side_}, location);
     if (listed.empty()) throw Error(facts::merge::NoLoopNamed{.side = side_}, location);
     for (const Index v : listed) require_on_one_loop(v, location);
@@ -55,7 +55,7 @@ class MeshLoops {
   }
 
  private:
-  void require_on_one_loop(Index v, const std::string& location) const {
+  void require_on_one_loop(Index v, const Location& location) const {
     if (v < 0 || v >= mesh_.vertex_count())
       throw Error(facts::merge::NoSuchVertex{.side = side_, .vertex = v, .count = mesh_.vertex_count()},
                   location);
@@ -66,7 +66,7 @@ class MeshLoops {
       throw Error(facts::merge::BoundaryTouchesItself{.side = side_, .vertex = v}, location);
   }
 
-  void require_length(const std::vector<Index>& loop, const std::string& location) const {
+  void require_length(const std::vector<Index>& loop, const Location& location) const {
     Points points(static_cast<Eigen::Index>(loop.size()), 3);
     for (std::size_t i = 0; i < loop.size(); ++i) {
       points.row(static_cast<Eigen::Index>(i)) = mesh_.positions.row(loop[i]);
@@ -92,8 +92,8 @@ class MeshLoops {
 
 }  // namespace
 
-std::string pair_location(std::size_t pair, std::size_t count) {
-  return count == 1 ? std::string() : fmt::format("pair {}", pair);
+Location pair_location(std::size_t pair, std::size_t count) {
+  return count == 1 ? Location() : Location::pair(pair);
 }
 
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs) {
@@ -110,7 +110,7 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
           facts::merge::LoopNamedTwice{.pair = at->second, .other_pair = p, .side = side, .vertex = at->first});
   };
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const std::string location = pair_location(p, pairs.size());
+    const Location location = pair_location(p, pairs.size());
     checked.push_back({source_loops.require_loop(pairs[p].loops.source, location),
                        target_loops.require_loop(pairs[p].loops.target, location)});
     claim(checked.back().source, source_owner, p, facts::merge::Side::source);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -42,6 +43,6 @@ Points smoothed_loop(const Points& loop);
 double mean_edge_length(const Points& loop);
 
 /// Returns the name of a pair for messages; empty where there is only one.
-std::string pair_location(std::size_t pair, std::size_t count);
+Location pair_location(std::size_t pair, std::size_t count);
 
 }  // namespace meshgraft

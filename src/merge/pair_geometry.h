@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -29,7 +30,7 @@ struct LoopGeometry {
 struct PairGeometry {
   LoopPair loops;
   LoopGeometry source, target;
-  std::string location;  ///< name of the pair in messages
+  Location location;  ///< name of the pair in messages
 };
 
 }  // namespace meshgraft

@@ -37,7 +37,7 @@ Points gathered(const Mesh& mesh, std::span<const Match> pairs, Index Match::* s
                                                                             : facts::merge::Side::target,
                                              .vertex = v,
                                              .count = mesh.vertex_count()},
-                  fmt::format("pairs[{}]", i));
+                  Location("pairs")[i]);
     points.row(static_cast<Eigen::Index>(i)) = mesh.positions.row(v);
   }
   return points;
@@ -54,7 +54,7 @@ bool on_a_line(const Points& points) {
 
 }  // namespace
 
-Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& location) {
+Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const Location& location) {
   const Eigen::Matrix3d linear = map.linear();
   const double determinant = linear.determinant();
   if (!(std::abs(determinant) > 1e-12 * std::pow(linear.norm(), 3)))
@@ -67,7 +67,7 @@ Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string
   return determinant < 0 ? turned_over(moved) : moved;
 }
 
-Eigen::Affine3d reflection(const Plane& plane, const std::string& location) {
+Eigen::Affine3d reflection(const Plane& plane, const Location& location) {
   const double length = plane.normal.norm();
   if (!(length > 0)) throw Error(facts::core::NormalWithoutLength{}, location);
   const Eigen::Vector3d n = plane.normal / length;

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -14,10 +15,10 @@ namespace meshgraft {
 /// Maps a mesh by an affine map. Attributes called "normal" or `cut_normal_name` are mapped by the inverse
 /// transpose; others keep their values. A map that reflects also reverses the faces, so that the outside
 /// stays outside. Throws Error(input), naming `location`, for a singular map.
-Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const std::string& location);
+Mesh transformed(const Mesh& mesh, const Eigen::Affine3d& map, const Location& location);
 
 /// Returns the reflection in a plane. Throws Error(input), naming `location`, for a normal of zero length.
-Eigen::Affine3d reflection(const Plane& plane, const std::string& location);
+Eigen::Affine3d reflection(const Plane& plane, const Location& location);
 
 /// Fewest pairs of vertices that determine a similarity.
 inline constexpr std::size_t fewest_aligned_pairs = 3;

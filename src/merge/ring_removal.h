@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/core/location.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -14,7 +15,7 @@ namespace meshgraft {
 struct RingRequest {
   std::vector<Index> loop;  ///< in the direction of the mesh's half-edges
   double longest_edge = 0;  ///< upper bound on the mean edge length along the loop
-  std::string location;     ///< names the pair in messages
+  Location location;        ///< names the pair in messages
 };
 
 /// A mesh without the rings of its loops.

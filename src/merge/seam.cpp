@@ -30,8 +30,6 @@ namespace {
 
 using Loop = std::vector<Index>;
 
-std::string location_of(std::size_t pair) { return "pair " + std::to_string(pair); }
-
 void check_options(const SeamOptions& options) {
   const auto require = [](bool good, const auto& fact, const char* option) {
     if (!good) throw Error(fact, option);
@@ -59,12 +57,12 @@ std::unordered_map<Index, std::vector<Index>> border_steps(const Mesh& mesh) {
 // Throws unless each loop is a simple boundary loop in the direction of its mesh's half-edges and shares no
 // vertex with another.
 void check_loops(const Mesh& mesh, facts::merge::Side side, const std::vector<const Loop*>& loops) {
-  const std::string which = side == facts::merge::Side::source ? ", source loop" : ", target loop";
+  const char* which = side == facts::merge::Side::source ? "source loop" : "target loop";
   const auto steps = border_steps(mesh);
   std::unordered_map<Index, std::size_t> owner;
   for (std::size_t k = 0; k < loops.size(); ++k) {
     const Loop& loop = *loops[k];
-    const std::string location = location_of(k) + which;
+    const Location location = Location::pair(k) / Location::place(which);
     if (loop.size() < 3) throw Error(facts::merge::LoopTooShort{.count = loop.size()}, location);
     for (const Index v : loop) {
       if (v >= 0 && v < mesh.vertex_count()) continue;
@@ -183,7 +181,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   for (const std::size_t k : order) {
     requests.push_back({beginning_with_smallest(pairs[k].target),
                         options.edge_ratio * mean_edge_length(source.positions(pairs[k].source, Eigen::all)),
-                        location_of(k)});
+                        Location::pair(k)});
   }
   const RingRemoval opened = remove_rings(target, requests, context);
 

@@ -175,7 +175,7 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
   for (Index v = 0; v < static_cast<Index>(points.rows()); ++v) {
     if (points.row(v).allFinite()) continue;
     throw Error(facts::merge::SeamVertexNotFinite{.vertex = band.patch.vertex[v]},
-                "vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh");
+                Location::place("vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh"));
   }
   if (band.unknowns > 0 && options.fairings > 0) {
     // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it moves vertices

@@ -174,8 +174,10 @@ void require_sound(const Diagnostics& report, const Mesh& mesh, const RequireSou
     if (here.empty()) continue;
     const auto first = std::span(here).first(std::min<std::size_t>(here.size(), 5));
     if (finding.domain == Domain::vertex)
-      throw Error(facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = first}, options.name);
-    throw Error(facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = first}, options.name);
+      throw Error(facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = first},
+                  Location::file(options.name));
+    throw Error(facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = first},
+                Location::file(options.name));
   }
 }
 

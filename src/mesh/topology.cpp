@@ -27,7 +27,7 @@ bool repeats(const Triangles& triangles, Eigen::Index t, int corner) {
 
 bool in_range(Index vertex, Index vertex_count) { return vertex >= 0 && vertex < vertex_count; }
 
-[[noreturn]] void fail_index(Index vertex, Index vertex_count, const std::string& location) {
+[[noreturn]] void fail_index(Index vertex, Index vertex_count, const Location& location) {
   throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = vertex_count}, location);
 }
 
@@ -148,7 +148,7 @@ IndexLists vertex_triangles(Index vertex_count, const Triangles& triangles, cons
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     for (int c = 0; c < 3; ++c) {
       if (!in_range(triangles(t, c), vertex_count)) {
-        fail_index(triangles(t, c), vertex_count, "triangle " + std::to_string(t));
+        fail_index(triangles(t, c), vertex_count, Location::place("triangle " + std::to_string(t)));
       }
       if (!repeats(triangles, t, c)) ++lists.offsets[triangles(t, c) + 1];
     }

@@ -249,7 +249,7 @@ bool refers_to_vertices(const Mesh& mesh, Index face, const TriangulateOptions& 
     if (v >= 0 && v < mesh.vertex_count()) continue;
     if (options.skip_out_of_range) return false;
     throw Error(facts::mesh::FaceIndexOutOfRange{.face = face, .vertex = v, .count = mesh.vertex_count()},
-                "face " + std::to_string(face));
+                Location::place("face " + std::to_string(face)));
   }
   return true;
 }

@@ -176,7 +176,7 @@ void write_png(const Image& image, const std::filesystem::path& path) {
   std::filesystem::path partial = path;
   partial += ".partial";
   std::FILE* file = std::fopen(partial.c_str(), "wb");
-  if (!file) throw Error(facts::render::FileNotMade{}, path.string());
+  if (!file) throw Error(facts::render::FileNotMade{}, path);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const bool closed = std::fclose(file) == 0;
   std::error_code error;
@@ -184,8 +184,8 @@ void write_png(const Image& image, const std::filesystem::path& path) {
   if (written && closed && !error) return;
   std::error_code ignored;
   std::filesystem::remove(partial, ignored);
-  if (error) throw Error(facts::render::PictureNotWritten{.reason = error.message()}, path.string());
-  throw Error(facts::render::DiskFull{}, path.string());
+  if (error) throw Error(facts::render::PictureNotWritten{.reason = error.message()}, path);
+  throw Error(facts::render::DiskFull{}, path);
 }
 
 }  // namespace meshgraft::render

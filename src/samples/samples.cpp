@@ -53,7 +53,7 @@ constexpr auto infos = [] {
   return list;
 }();
 
-std::string location_of(std::string_view name) { return "sample \"" + std::string(name) + '"'; }
+Location location_of(std::string_view name) { return Location::place("sample \"" + std::string(name) + '"'); }
 
 const Entry& find_entry(std::string_view name) {
   for (const Entry& entry : entries)
@@ -183,7 +183,7 @@ Mesh make_sample(std::string_view name, int resolution, const Context& context) 
   if (resolution < smallest_resolution || resolution > largest_resolution)
     throw Error(
         facts::core::OutOfRange{.value = resolution, .low = smallest_resolution, .high = largest_resolution},
-        location_of(name) + ", resolution");
+        location_of(name) / "resolution");
   context.throw_if_stopped();
   return entry.build ? entry.build(resolution) : mesh_sculpture(entry.sculpt(), resolution, context);
 }

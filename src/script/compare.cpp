@@ -32,7 +32,7 @@ void require_distinct(std::span<const Method> methods) {
 void require_deform_step(const EditFile& edit) {
   if (std::none_of(edit.steps.begin(), edit.steps.end(),
                    [](const EditStep& step) { return std::holds_alternative<DeformStep>(step.action); }))
-    throw Error(facts::script::NothingToCompare{}, edit.location);
+    throw Error(facts::script::NothingToCompare{}, Location::file(edit.location));
 }
 
 // Returns a context whose progress also names and counts the method.

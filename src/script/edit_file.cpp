@@ -47,12 +47,12 @@ void note_former_words(const Value& step, std::vector<Note>& notes) {
   if (!step.raw().contains("settings")) return;
   const Value settings = step.member("settings");
   if (settings.raw().contains("backend") && settings.raw().at("backend") == former_multifrontal)
-    notes.push_back(facts::script::FormerBackend{.location = settings.member("backend").location(),
+    notes.push_back(facts::script::FormerBackend{.location = settings.member("backend").location().text(),
                                                  .former = former_multifrontal,
                                                  .name = "multifrontal"});
   if (settings.raw().contains(former_fairings))
     notes.push_back(facts::script::FormerSetting{
-        .location = settings.location(), .former = former_fairings, .name = "fairings"});
+        .location = settings.location().text(), .former = former_fairings, .name = "fairings"});
 }
 
 std::string parse_sha256(const Value& value) {
@@ -106,36 +106,36 @@ void for_each_selection(const EditSelection& selection,
 
 // Calls `visit` with every top-level selection of a step and the path of its field.
 void for_each_step_selection(const DeformStep& step,
-                             const std::function<void(const EditSelection&, const std::string&)>& visit) {
+                             const std::function<void(const EditSelection&, const Location&)>& visit) {
   visit(step.region, "region");
   if (step.fixed) visit(*step.fixed, "fixed");
   for (std::size_t i = 0; i < step.handles.size(); ++i)
-    visit(step.handles[i].select, fmt::format("handles[{}].select", i));
+    visit(step.handles[i].select, Location("handles")[i] / "select");
   for (std::size_t i = 0; i < step.anchors.size(); ++i)
-    visit(step.anchors[i].select, fmt::format("anchors[{}].select", i));
+    visit(step.anchors[i].select, Location("anchors")[i] / "select");
 }
 
 void for_each_step_selection(const MergeStep& step,
-                             const std::function<void(const EditSelection&, const std::string&)>& visit) {
+                             const std::function<void(const EditSelection&, const Location&)>& visit) {
   for (std::size_t i = 0; i < step.pairs.size(); ++i) {
-    visit(step.pairs[i].source_loop, fmt::format("pairs[{}].source_loop", i));
-    visit(step.pairs[i].target_loop, fmt::format("pairs[{}].target_loop", i));
+    visit(step.pairs[i].source_loop, Location("pairs")[i] / "source_loop");
+    visit(step.pairs[i].target_loop, Location("pairs")[i] / "target_loop");
   }
   if (step.fixed) visit(*step.fixed, "fixed");
   for (std::size_t i = 0; i < step.features.size(); ++i)
-    visit(step.features[i].select, fmt::format("features[{}].select", i));
+    visit(step.features[i].select, Location("features")[i] / "select");
 }
 
 void for_each_step_selection(const CutStep&,
-                             const std::function<void(const EditSelection&, const std::string&)>&) {}
+                             const std::function<void(const EditSelection&, const Location&)>&) {}
 
 void for_each_step_selection(const EditStep& step,
-                             const std::function<void(const EditSelection&, const std::string&)>& visit) {
+                             const std::function<void(const EditSelection&, const Location&)>& visit) {
   std::visit([&](const auto& action) { for_each_step_selection(action, visit); }, step.action);
 }
 
 // Returns the fields of a step that name a mesh.
-std::vector<std::pair<std::string, std::string>> mesh_fields(const EditStep& step) {
+std::vector<std::pair<const char*, std::string>> mesh_fields(const EditStep& step) {
   if (const auto* merge = std::get_if<MergeStep>(&step.action))
     return {{"target", merge->target}, {"source", merge->source}};
   return {{"mesh", mesh_of(step)}};
@@ -148,7 +148,7 @@ std::vector<std::string> names_of(const List& list) {
   return names;
 }
 
-[[noreturn]] void fail_unknown_name(const std::string& location, facts::script::Named what,
+[[noreturn]] void fail_unknown_name(const Location& location, facts::script::Named what,
                                     const std::string& name, const std::vector<std::string>& known) {
   if (const auto meant = json::nearest_name(name, known))
     throw Error(facts::script::MisspeltName{.what = what, .name = name, .meant = *meant, .known = known},
@@ -162,7 +162,7 @@ class ReferenceCheck {
  public:
   explicit ReferenceCheck(const EditFile& edit) : edit_(edit), names_(names_of(edit.selections)) {}
 
-  void require_named(const EditSelection& selection, const std::string& location) {
+  void require_named(const EditSelection& selection, const Location& location) {
     for_each_selection(selection, [&](const EditSelection& part) {
       if (const auto* named = std::get_if<EditSelection::Named>(&part.kind))
         if (std::find(names_.begin(), names_.end(), named->name) == names_.end())
@@ -171,7 +171,7 @@ class ReferenceCheck {
   }
 
   int depth(const NamedSelection& selection, int above = 0) {
-    const std::string location = fmt::format("{}: selections.{}", edit_.location, selection.name);
+    const Location location = Location::file(edit_.location) / "selections" / Location::field(selection.name);
     if (above > edit_file_depth_limit)
       throw Error(facts::script::SelectionsTooDeep{.limit = edit_file_depth_limit}, location);
     if (const auto known = depths_.find(selection.name); known != depths_.end()) return known->second;
@@ -202,18 +202,19 @@ void require_names(const EditFile& edit) {
   for (const NamedSelection& selection : edit.selections) references.depth(selection);
   std::vector<std::string> meshes = names_of(edit.inputs);
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
-    const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
+    const Location location = (Location::file(edit.location) / "steps")[i];
     for (const auto& [field, name] : mesh_fields(edit.steps[i]))
       if (std::find(meshes.begin(), meshes.end(), name) == meshes.end())
-        fail_unknown_name(location + "." + field, facts::script::Named::mesh, name, meshes);
+        fail_unknown_name(location / field, facts::script::Named::mesh, name, meshes);
     const std::string& outcome = outcome_of(edit.steps[i]);
     if (std::find(meshes.begin(), meshes.end(), outcome) == meshes.end()) meshes.push_back(outcome);
-    for_each_step_selection(edit.steps[i], [&](const EditSelection& selection, const std::string& field) {
-      references.require_named(selection, location + "." + field);
+    for_each_step_selection(edit.steps[i], [&](const EditSelection& selection, const Location& field) {
+      references.require_named(selection, location / field);
     });
   }
   if (!edit.output.empty() && std::find(meshes.begin(), meshes.end(), edit.output) == meshes.end())
-    fail_unknown_name(edit.location + ": output", facts::script::Named::mesh, edit.output, meshes);
+    fail_unknown_name(Location::file(edit.location) / "output", facts::script::Named::mesh, edit.output,
+                      meshes);
 }
 
 EditFile parse_version_2(const Value& root) {
@@ -269,7 +270,7 @@ EditFile parse_version_1(const Value& root) {
   return kind.choice<Parser>({{"deform", &parse_deform_version_1}, {"merge", &parse_merge_version_1}})(root);
 }
 
-void require_size(std::uintmax_t size, const std::string& location) {
+void require_size(std::uintmax_t size, const Location& location) {
   if (size > edit_file_size_limit)
     throw Error(facts::script::FileTooLarge{.limit_mib = edit_file_size_limit >> 20}, location);
 }
@@ -299,8 +300,8 @@ std::vector<std::string> mesh_names(const EditFile& edit) {
 
 EditFile parse_edit(std::string_view text, const std::string& location,
                     const std::filesystem::path& base_folder) {
-  require_size(text.size(), location);
-  const json::Json document = json::parse(text, location, edit_file_depth_limit);
+  require_size(text.size(), Location::file(location));
+  const json::Json document = json::parse(text, Location::file(location), edit_file_depth_limit);
   const Value root(document, location);
   if (!root.is_object() || !document.contains("format") || document["format"] != "meshgraft-edit")
     root.fail(facts::script::NotAnEditFile{});
@@ -319,7 +320,7 @@ EditFile parse_edit(std::string_view text, const std::string& location,
 EditFile read_edit_file(const std::filesystem::path& path) {
   std::error_code failure;
   const std::uintmax_t size = std::filesystem::file_size(path, failure);
-  if (!failure) require_size(size, path.string());
+  if (!failure) require_size(size, path);
   return parse_edit(read_file(path), path.string(), path.parent_path());
 }
 
@@ -340,7 +341,7 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
   for (const NamedSelection& selection : edit.selections) add_from(selection.selection);
   for (const EditStep& edit_step : edit.steps) {
     for_each_step_selection(edit_step,
-                            [&](const EditSelection& selection, const std::string&) { add_from(selection); });
+                            [&](const EditSelection& selection, const Location&) { add_from(selection); });
     const auto* deform = std::get_if<DeformStep>(&edit_step.action);
     if (!deform) continue;
     for (const HandleSpec& handle : deform->handles)

@@ -32,7 +32,7 @@ Json to_json(const Error& error, const Wording& wording) {
   const FactText text = wording(error.fact());
   return {{"id", std::string(error.id())},
           {"code", std::string(to_string(error.code()))},
-          {"location", error.location()},
+          {"location", error.location().text()},
           {"fields", fields_json(error.fact())},
           {"problem", text.statement},
           {"remedy", text.remedy},

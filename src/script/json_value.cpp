@@ -62,7 +62,7 @@ facts::script::Type type_of(const Json& json) {
 
 }  // namespace
 
-Json parse(std::string_view text, const std::string& location, int depth_limit) {
+Json parse(std::string_view text, const Location& location, int depth_limit) {
   std::vector<std::set<std::string>> keys;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& parsed) {
     if (depth > depth_limit) throw Error(facts::script::NestedTooDeep{.limit = depth_limit}, location);
@@ -76,7 +76,7 @@ Json parse(std::string_view text, const std::string& location, int depth_limit) 
     return Json::parse(text.begin(), text.end(), watch);
   } catch (const Json::parse_error& error) {
     throw Error(facts::script::NotJson{.reason = reason(error.what())},
-                fmt::format("{}: {}", location, line_and_column(text, error.byte)));
+                location / Location::place(line_and_column(text, error.byte)));
   } catch (const Json::exception& error) {
     throw Error(facts::script::NotJson{.reason = reason(error.what())}, location);
   }
@@ -95,17 +95,14 @@ std::optional<std::string> nearest_name(std::string_view name, std::span<const s
   return best ? std::optional(*best) : std::nullopt;
 }
 
-std::string Value::location() const {
+Location Value::location() const {
   std::vector<const Value*> chain;
   for (const Value* value = this; value->parent_; value = value->parent_) chain.push_back(value);
-  std::string path;
-  for (auto value = chain.rbegin(); value != chain.rend(); ++value) {
-    if ((*value)->key_.empty())
-      path += fmt::format("[{}]", (*value)->index_);
-    else
-      path += (path.empty() ? "" : ".") + std::string((*value)->key_);
-  }
-  return path.empty() ? *document_ : *document_ + ": " + path;
+  Location location = Location::file(*document_);
+  for (auto value = chain.rbegin(); value != chain.rend(); ++value)
+    location = (*value)->key_.empty() ? location[(*value)->index_]
+                                      : location / Location::field(std::string((*value)->key_));
+  return location;
 }
 
 void Value::fail(const Fact& fact) const { throw Error(fact, location()); }

@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 
 /// Parses a document. Throws Error(input): with line and column for malformed text (script.not_json), also for
 /// a repeated key and for nesting deeper than `depth_limit`.
-Json parse(std::string_view text, const std::string& location, int depth_limit);
+Json parse(std::string_view text, const Location& location, int depth_limit);
 
 /// Returns the candidate that is most similar to `name`, or nothing if none is similar.
 std::optional<std::string> nearest_name(std::string_view name, std::span<const std::string> candidates);
@@ -35,7 +35,7 @@ class Value {
   Value(const Json& root, const std::string& document) : json_(&root), document_(&document) {}
 
   /// Returns "edit.json: steps[0].mesh", or "edit.json" for the root.
-  std::string location() const;
+  Location location() const;
   /// Throws this error at the value's location.
   [[noreturn]] void fail(const Fact& fact) const;
   /// Fails with script.wrong_type.

@@ -20,7 +20,7 @@ MergeSide::MergeSide(facts::script::Side name_, const EditFile& edit, const Mesh
       context(state.mesh),
       selections(edit, context, state.produced) {}
 
-void MergeSide::require_sound(Index vertex, const std::string& location) const {
+void MergeSide::require_sound(Index vertex, const Location& location) const {
   try {
     sound.require_beyond(std::vector<Index>{vertex});
   } catch (const Error& error) {
@@ -58,7 +58,7 @@ std::vector<std::size_t> sizes_of(const MergeSide& side) {
   return sizes;
 }
 
-void require_loops(const MergeSide& side, const std::string& location) {
+void require_loops(const MergeSide& side, const Location& location) {
   if (!side.context.loops.empty()) return;
   const std::string& mesh = side.state.label;
   if (side.state.mesh.face_count() == 0)
@@ -74,7 +74,7 @@ void require_loops(const MergeSide& side, const std::string& location) {
 // Throws a fact of the class Row if the defect is on the loop.
 template <class Row>
 void require_without(std::string_view defect, const MergeSide& side, std::size_t number,
-                     const std::string& location) {
+                     const Location& location) {
   const Finding* finding = side.state.diagnostics.find(defect);
   if (!finding) return;
   std::vector<Index> here;
@@ -94,14 +94,14 @@ void require_without(std::string_view defect, const MergeSide& side, std::size_t
 
 // Refuses a loop along which the surface is not an oriented manifold, because it cannot be joined to another
 // one.
-void require_sound(const MergeSide& side, std::size_t number, const std::string& location) {
+void require_sound(const MergeSide& side, std::size_t number, const Location& location) {
   using namespace facts::script;
   require_without<LoopOnNonManifoldEdge>("non-manifold-edge", side, number, location);
   require_without<LoopOnNonManifoldVertex>("non-manifold-vertex", side, number, location);
   require_without<LoopWoundInconsistently>("inconsistent-winding", side, number, location);
 }
 
-Error off_loops(const MergeSide& side, Index vertex, const std::string& location) {
+Error off_loops(const MergeSide& side, Index vertex, const Location& location) {
   return Error(
       facts::script::VertexOffLoops{
           .side = side.name, .vertex = vertex, .loops = side.context.loops.size(), .sizes = sizes_of(side)},
@@ -109,7 +109,7 @@ Error off_loops(const MergeSide& side, Index vertex, const std::string& location
 }
 
 // Returns the boundary loop that consists of exactly the selected vertices.
-std::size_t loop_of(MergeSide& side, const EditSelection& spec, const std::string& location) {
+std::size_t loop_of(MergeSide& side, const EditSelection& spec, const Location& location) {
   require_loops(side, location);
   const auto& loops = side.context.loops;
   if (const auto* loop = std::get_if<Selection::Loop>(&spec.kind)) {
@@ -140,7 +140,7 @@ std::size_t loop_of(MergeSide& side, const EditSelection& spec, const std::strin
 }
 
 // Returns the boundary loop that contains a matched vertex.
-std::size_t loop_through(const MergeSide& side, Index vertex, const std::string& location) {
+std::size_t loop_through(const MergeSide& side, Index vertex, const Location& location) {
   require_loops(side, location);
   const auto& loops = side.context.loops;
   for (std::size_t k = 0; k < loops.size(); ++k)
@@ -157,7 +157,7 @@ std::size_t loop_through(const MergeSide& side, Index vertex, const std::string&
 // Returns the vertex that `vertex` specifies; a point stands for the nearest vertex of `loop`, or of all
 // loops.
 Index loop_vertex(const MergeSide& side, const VertexSpec& vertex, std::optional<std::size_t> loop,
-                  const std::string& location) {
+                  const Location& location) {
   if (const auto* number = std::get_if<Index>(&vertex)) return *number;
   require_loops(side, location);
   std::vector<Index> candidates;
@@ -174,12 +174,12 @@ struct LoopNumbers {
 };
 
 std::vector<LoopNumbers> listed_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
-                                      const std::string& location) {
+                                      const Location& location) {
   std::vector<LoopNumbers> pairs;
   for (std::size_t i = 0; i < step.pairs.size(); ++i) {
-    const std::string where = fmt::format("{}.pairs[{}]", location, i);
-    pairs.push_back({loop_of(source, step.pairs[i].source_loop, where + ".source_loop"),
-                     loop_of(target, step.pairs[i].target_loop, where + ".target_loop"),
+    const Location where = (location / "pairs")[i];
+    pairs.push_back({loop_of(source, step.pairs[i].source_loop, where / "source_loop"),
+                     loop_of(target, step.pairs[i].target_loop, where / "target_loop"),
                      {}});
     LoopNumbers& pair = pairs.back();
     for (const MatchSpec& match : step.pairs[i].matches)
@@ -192,9 +192,9 @@ std::vector<LoopNumbers> listed_pairs(const MergeStep& step, MergeSide& source, 
 // Assigns each match of the step to the pair whose loops contain it. Creates that pair where no pairs are
 // listed.
 void add_matches(const MergeStep& step, const MergeSide& source, const MergeSide& target,
-                 std::vector<LoopNumbers>& pairs, const std::string& location) {
+                 std::vector<LoopNumbers>& pairs, const Location& location) {
   for (std::size_t i = 0; i < step.matches.size(); ++i) {
-    const std::string where = fmt::format("{}.matches[{}]", location, i);
+    const Location where = (location / "matches")[i];
     const Match match{loop_vertex(source, step.matches[i].source, {}, where),
                       loop_vertex(target, step.matches[i].target, {}, where)};
     const std::size_t from = loop_through(source, match.source, where);
@@ -219,7 +219,7 @@ Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Ve
 }
 
 std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
-                                     const std::string& location) {
+                                     const Location& location) {
   std::vector<LoopNumbers> numbers = listed_pairs(step, source, target, location);
   add_matches(step, source, target, numbers, location);
   if (numbers.empty()) {
@@ -233,7 +233,7 @@ std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, M
     numbers.push_back({});
   }
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const std::string where = numbers.size() == 1 ? location : fmt::format("{}.pairs[{}]", location, i);
+    const Location where = numbers.size() == 1 ? location : (location / "pairs")[i];
     require_sound(source, numbers[i].source, where);
     require_sound(target, numbers[i].target, where);
   }
@@ -244,8 +244,8 @@ std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, M
   return pairs;
 }
 
-std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& location) {
-  if (drop.source_loop) return loop_of(source, *drop.source_loop, location + ".source_loop");
+std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const Location& location) {
+  if (drop.source_loop) return loop_of(source, *drop.source_loop, location / "source_loop");
   require_loops(source, location);
   if (source.context.loops.size() != 1)
     throw Error(

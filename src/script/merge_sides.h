@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/script/edit_file.h>
 
 #include "mesh/sound_mesh.h"
@@ -24,7 +25,7 @@ struct MergeSide {
   MergeSide(facts::script::Side name_, const EditFile& edit, const MeshState& state_);
 
   /// Refuses a vertex given by its number if it is not finite or belongs to a defective face.
-  void require_sound(Index vertex, const std::string& location) const;
+  void require_sound(Index vertex, const Location& location) const;
 
   /// Returns the vertices that the merge removed or that belong to faces of the seam.
   std::vector<Index> reached(const IndexMap& map, const Mesh& result,
@@ -37,10 +38,10 @@ struct MergeSide {
 
 /// Returns the pairs of loops with their matches. Throws Error(input) naming the field of the step.
 std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
-                                     const std::string& location);
+                                     const Location& location);
 
 /// Returns the number of the source's loop that is dropped on the target. Throws Error(input).
-std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const std::string& location);
+std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const Location& location);
 
 /// Returns the one of some vertices that is nearest to a point.
 Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Vector3d& point);

@@ -134,7 +134,7 @@ EditSelection parse_selection(const Value& value) {
 }
 
 EditSelection parse_selection(std::string_view text, const std::string& location) {
-  const json::Json document = json::parse(text, location, edit_file_depth_limit);
+  const json::Json document = json::parse(text, Location::file(location), edit_file_depth_limit);
   return parse_selection(Value(document, location));
 }
 

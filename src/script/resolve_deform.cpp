@@ -36,7 +36,7 @@ class Roles {
   void take(Index vertex, int owner) { owner_[vertex] = owner; }
 
   /// Assigns `vertices` to the handle of that name. Throws where one of them has a role already.
-  void take_all(const std::vector<Index>& vertices, const std::string& name, const std::string& location) {
+  void take_all(const std::vector<Index>& vertices, const std::string& name, const Location& location) {
     const int handle = static_cast<int>(handles_.size());
     handles_.push_back(name);
     const auto beyond = std::count_if(vertices.begin(), vertices.end(), [&](Index v) { return !is_inside(v); });
@@ -51,7 +51,7 @@ class Roles {
   }
 
   /// Throws where the vertex, which is inside, has a role.
-  void require_free(Index v, const std::string& location) const {
+  void require_free(Index v, const Location& location) const {
     if (is_free(v)) return;
     if (const std::string* holder = holder_of(v))
       throw Error(facts::deform::VertexOfTwoHandles{.vertex = v, .handle = *holder}, location);
@@ -81,13 +81,13 @@ bool ends_share_edge(const std::vector<Index>& curve, const IndexLists& rings) {
 }
 
 Handle resolve_handle(const HandleSpec& spec, SelectionResolver& selections, const SelectionMesh& context,
-                      const std::string& location) {
+                      const Location& location) {
   Handle handle;
   handle.name = spec.name;
   handle.shape = spec.shape;
   handle.constrain_position = spec.constrain_position;
   handle.constrain_transform = spec.constrain_transform;
-  const std::string select = location + ".select";
+  const Location select = location / "select";
   const bool is_curve = spec.shape == HandleShape::curve;
   handle.vertices =
       is_curve ? selections.ordered(spec.select, select) : selections.vertices(spec.select, select);
@@ -108,20 +108,20 @@ HandlePose pose_of_matrix(const Eigen::Matrix4d& matrix) {
 }
 
 HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const SelectionResolver& selections,
-                        const EditFile& edit, const SelectionMesh& context, const std::string& location) {
+                        const EditFile& edit, const SelectionMesh& context, const Location& location) {
   const Points& rest = context.mesh.positions;
   if (const auto* motion = std::get_if<HandleMotion>(&spec.kind))
     return make_pose(*motion, motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings));
   if (const auto* matrix = std::get_if<Eigen::Matrix4d>(&spec.kind)) return pose_of_matrix(*matrix);
   if (const auto* def = std::get_if<PoseSpec::DefFile>(&spec.kind)) {
-    const std::string where = fmt::format("{}.def: {}", location, (edit.base_folder / def->file).string());
-    return pose_of_matrix(parse_def(selections.read(def->file, location + ".def"), where));
+    const Location where = location / "def" / (edit.base_folder / def->file);
+    return pose_of_matrix(parse_def(selections.read(def->file, location / "def"), where));
   }
   HandlePose pose;
   try {
     pose.curve = redraw_curve(handle, rest, std::get<PoseSpec::Redrawn>(spec.kind).polyline);
   } catch (const Error& error) {
-    throw error.within(location + ".curve");
+    throw error.within(location / "curve");
   }
   return pose;
 }
@@ -131,14 +131,14 @@ class OwnConstraints {
  public:
   OwnConstraints(const SelectionMesh& context, Roles& roles) : context_(context), roles_(roles) {}
 
-  void add(const TargetSpec& target, const std::string& where) {
+  void add(const TargetSpec& target, const Location& where) {
     VertexConstraint& constraint = constraint_of(target.vertex, where);
     if (constraint.position && (context_.weld.empty() || *constraint.position != target.position))
       throw Error(facts::script::TwoTargets{.vertex = constraint.vertex}, where);
     constraint.position = target.position;
   }
 
-  void add(const TransformSpec& transform, const std::string& where) {
+  void add(const TransformSpec& transform, const Location& where) {
     VertexConstraint& constraint = constraint_of(transform.vertex, where);
     if (constraint.transform && (context_.weld.empty() || *constraint.transform != transform.matrix))
       throw Error(facts::script::TwoTransforms{.vertex = constraint.vertex}, where);
@@ -146,12 +146,12 @@ class OwnConstraints {
   }
 
   /// Adds the mirror images of the constraints. A vertex that is its own partner keeps its constraint.
-  void add_images(const MirrorMatch& symmetry, const std::string& location) {
+  void add_images(const MirrorMatch& symmetry, const Location& location) {
     const Eigen::Affine3d& reflection = symmetry.reflection();
     const Eigen::Matrix3d& s = reflection.linear();
     const std::map<Index, VertexConstraint> given = constraints_;
     for (const auto& [vertex, constraint] : given) {
-      const std::string where = fmt::format("{}: the mirror image of vertex {}", location, vertex);
+      const Location where = location / Location::place(fmt::format("the mirror image of vertex {}", vertex));
       const Index partner = symmetry.required_partner(vertex, where);
       if (partner == vertex) continue;
       if (constraint.position) add(TargetSpec{partner, reflection * *constraint.position}, where);
@@ -167,7 +167,7 @@ class OwnConstraints {
   }
 
  private:
-  VertexConstraint& constraint_of(Index vertex, const std::string& where) {
+  VertexConstraint& constraint_of(Index vertex, const Location& where) {
     const Index vertex_count = context_.mesh.vertex_count();
     if (vertex >= vertex_count)
       throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = vertex_count}, where);
@@ -186,12 +186,11 @@ class OwnConstraints {
   std::map<Index, VertexConstraint> constraints_;
 };
 
-void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const std::string& location) {
+void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found, const Location& location) {
   const auto require = [&](const std::optional<Index>& count, const std::optional<Index>& actual,
-                           std::string_view name) {
+                           const char* name) {
     if (count && *count != *actual)
-      throw Error(facts::script::WrongCount{.expected = *count, .found = *actual},
-                  fmt::format("{}.counts.{}", location, name));
+      throw Error(facts::script::WrongCount{.expected = *count, .found = *actual}, location / "counts" / name);
   };
   require(expected.vertices, found.vertices, "vertices");
   require(expected.faces, found.faces, "faces");
@@ -205,10 +204,10 @@ void require_counts(const ExpectedCounts& expected, const ExpectedCounts& found,
 class DeformResolver {
  public:
   DeformResolver(const EditFile& edit, const DeformStep& step, const SelectionMesh& context,
-                 const std::string& location, const ProducedSets& produced)
+                 const Location& location, const ProducedSets& produced)
       : edit_(edit), step_(step), context_(context), location_(location), selections_(edit, context, produced) {
     if (!step.symmetry) return;
-    symmetry_.emplace(*step.symmetry, context, location + ".symmetry");
+    symmetry_.emplace(*step.symmetry, context, location / "symmetry");
     resolved_.symmetry.emplace().reflection = symmetry_->reflection();
   }
 
@@ -237,15 +236,15 @@ class DeformResolver {
  private:
   bool is_whole() const { return std::holds_alternative<Selection::All>(step_.region.kind); }
 
-  std::vector<Index> vertices_of(const EditSelection& selection, const std::string& where) {
+  std::vector<Index> vertices_of(const EditSelection& selection, const Location& where) {
     std::vector<Index> vertices = selections_.vertices(selection, where);
     return symmetry_ ? symmetry_->with_images(vertices) : vertices;
   }
 
   std::vector<Index> find_region() {
     std::vector<Index> inside = is_whole() ? every_vertex(context_.mesh.vertex_count())
-                                           : selections_.vertices(step_.region, location_ + ".region");
-    if (inside.empty()) throw Error(facts::script::RegionEmpty{}, location_ + ".region");
+                                           : selections_.vertices(step_.region, location_ / "region");
+    if (inside.empty()) throw Error(facts::script::RegionEmpty{}, location_ / "region");
     if (!symmetry_) return inside;
     inside = symmetry_->with_images(inside);
     const std::vector<Index> lost = symmetry_->without_partner(inside);
@@ -257,22 +256,20 @@ class DeformResolver {
   // Returns the rim that is fixed by default where the step names no fixed vertices.
   std::vector<Index> find_fixed(const std::vector<Index>& inside, Roles& roles) {
     if (step_.fixed) {
-      for (const Index v : vertices_of(*step_.fixed, location_ + ".fixed"))
+      for (const Index v : vertices_of(*step_.fixed, location_ / "fixed"))
         if (roles.is_inside(v)) resolved_.region.fixed.push_back(v);
       for (const Index v : resolved_.region.fixed) roles.take(v, Roles::fixed);
       return {};
     }
     if (is_whole()) return {};
     const auto whole_region = std::make_shared<const Selection>(Selection::Indices{inside});
-    return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, location_ + ".region");
+    return meshgraft::resolve(Selection(Selection::Rim{whole_region, 2}), context_, location_ / "region");
   }
 
-  std::string handle_location(std::size_t handle) const {
-    return fmt::format("{}.handles[{}]", location_, handle);
-  }
+  Location handle_location(std::size_t handle) const { return (location_ / "handles")[handle]; }
 
-  void hold(Handle handle, HandlePose pose, Roles& roles, const std::string& where) {
-    roles.take_all(handle.vertices, handle.name, where + ".select");
+  void hold(Handle handle, HandlePose pose, Roles& roles, const Location& where) {
+    roles.take_all(handle.vertices, handle.name, where / "select");
     resolved_.poses.push_back(std::move(pose));
     resolved_.region.handles.push_back(std::move(handle));
   }
@@ -280,11 +277,11 @@ class DeformResolver {
   void hold_handles(Roles& roles) {
     for (std::size_t i = 0; i < step_.handles.size(); ++i) {
       const HandleSpec& spec = step_.handles[i];
-      const std::string where = handle_location(i);
+      const Location where = handle_location(i);
       Handle handle = resolve_handle(spec, selections_, context_, where);
-      HandlePose pose = resolve_pose(spec.pose, handle, selections_, edit_, context_, where + ".pose");
+      HandlePose pose = resolve_pose(spec.pose, handle, selections_, edit_, context_, where / "pose");
       if (symmetry_) {
-        twins_.push_back(symmetry_->twin_of(handle, where + ".select"));
+        twins_.push_back(symmetry_->twin_of(handle, where / "select"));
         if (!twins_.back()) resolved_.symmetry->own.push_back(i);
       }
       hold(std::move(handle), std::move(pose), roles, where);
@@ -308,11 +305,12 @@ class DeformResolver {
   void require_free(const Handle& twin, const Roles& roles, std::size_t i) const {
     for (const HandleSpec& other : step_.handles)
       if (other.name == twin.name)
-        throw Error(facts::script::NameOfTwin{.name = twin.name}, handle_location(i) + ".name");
+        throw Error(facts::script::NameOfTwin{.name = twin.name}, handle_location(i) / "name");
     const auto taken = std::find_if(twin.vertices.begin(), twin.vertices.end(),
                                     [&](Index v) { return roles.is_inside(v) && !roles.is_free(v); });
     if (taken == twin.vertices.end()) return;
-    const std::string &name = step_.handles[i].name, where = handle_location(i) + ".select";
+    const std::string& name = step_.handles[i].name;
+    const Location where = handle_location(i) / "select";
     if (const std::string* holder = roles.holder_of(*taken))
       throw Error(facts::script::MirrorImageHeld{.vertex = *taken, .handle = name, .other = *holder}, where);
     throw Error(facts::script::MirrorImageFixed{.vertex = *taken, .handle = name}, where);
@@ -321,17 +319,17 @@ class DeformResolver {
   std::vector<VertexConstraint> find_constraints(Roles& roles) const {
     OwnConstraints constraints(context_, roles);
     for (std::size_t i = 0; i < step_.targets.size(); ++i)
-      constraints.add(step_.targets[i], fmt::format("{}.targets[{}]", location_, i));
+      constraints.add(step_.targets[i], (location_ / "targets")[i]);
     for (std::size_t i = 0; i < step_.transforms.size(); ++i)
-      constraints.add(step_.transforms[i], fmt::format("{}.transforms[{}]", location_, i));
-    if (symmetry_) constraints.add_images(*symmetry_, location_ + ".symmetry");
+      constraints.add(step_.transforms[i], (location_ / "transforms")[i]);
+    if (symmetry_) constraints.add_images(*symmetry_, location_ / "symmetry");
     return constraints.list();
   }
 
   std::vector<Anchor> find_anchors(const Roles& roles) {
     std::map<Index, Anchor> anchors;
     for (std::size_t i = 0; i < step_.anchors.size(); ++i) {
-      const std::string where = fmt::format("{}.anchors[{}].select", location_, i);
+      const Location where = (location_ / "anchors")[i] / "select";
       for (const Index v : vertices_of(step_.anchors[i].select, where)) {
         if (!roles.is_free(v)) continue;  // held and immovable vertices need no anchor
         if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
@@ -360,7 +358,7 @@ class DeformResolver {
   const EditFile& edit_;
   const DeformStep& step_;
   const SelectionMesh& context_;
-  const std::string& location_;
+  const Location& location_;
   SelectionResolver selections_;
   std::optional<MirrorMatch> symmetry_;
   std::vector<std::optional<Handle>> twins_;  ///< one per handle of the step
@@ -370,7 +368,7 @@ class DeformResolver {
 }  // namespace
 
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionMesh& context,
-                              const std::string& location, const ProducedSets& produced) {
+                              const Location& location, const ProducedSets& produced) {
   return DeformResolver(edit, step, context, location, produced).resolve();
 }
 

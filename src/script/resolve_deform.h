@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/location.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>
@@ -39,7 +40,7 @@ struct ResolvedDeform {
 /// - or the mesh lacks a symmetry that the step requires (script.no_mirror_image, script.not_mirrored, …).
 /// Throws Error(io) for a file that cannot be read.
 ResolvedDeform resolve_deform(const EditFile& edit, const DeformStep& step, const SelectionMesh& context,
-                              const std::string& location, const ProducedSets& produced = {});
+                              const Location& location, const ProducedSets& produced = {});
 
 /// Returns notes about handles that are their own mirror image while their poses are not.
 /// `poses` has one pose per handle.

@@ -43,7 +43,7 @@ std::map<std::string, std::vector<Index>> sets_of(const CutResult& result) {
 
 }  // namespace
 
-StepReport run_cut(const EditStep& edit_step, const std::string& location,
+StepReport run_cut(const EditStep& edit_step, const Location& location,
                    std::map<std::string, MeshState>& states, const Context& context) {
   const auto& step = std::get<CutStep>(edit_step.action);
   Stopwatch watch;

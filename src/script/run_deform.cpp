@@ -234,7 +234,7 @@ Points keep_solution(Solution& solution, DeformSetup& setup, MeshState& state) {
 
 }  // namespace
 
-void apply_solution(const EditFile& edit, const EditStep& edit_step, const std::string& location,
+void apply_solution(const EditFile& edit, const EditStep& edit_step, const Location& location,
                     std::map<std::string, MeshState>& states, const Points& positions, const Context& context) {
   const auto& step = std::get<DeformStep>(edit_step.action);
   MeshState& state = state_for_outcome(edit_step, states);
@@ -263,7 +263,7 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
   return options;
 }
 
-DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Location& location,
                           const MeshState& state, const DeformSettings& settings) {
   DeformSetup setup;
   const Finding* torn = state.diagnostics.find("duplicate-vertex");
@@ -281,8 +281,8 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const st
   return setup;
 }
 
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
-                      MeshState& state, const RunOptions& options, const Context& context) {
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const Location& location, MeshState& state,
+                      const RunOptions& options, const Context& context) {
   Stopwatch watch;
   StepReport report;
   report.mesh = step.mesh;

@@ -22,12 +22,12 @@ namespace meshgraft {
 
 namespace {
 
-void require_hash(const EditInput& input, const std::filesystem::path& path, const std::string& location) {
+void require_hash(const EditInput& input, const std::filesystem::path& path, const Location& location) {
   if (!input.sha256) return;
   const std::string found = sha256(read_file(path));
   if (found != *input.sha256)
     throw Error(facts::script::WrongSha256{.file = path, .found = found, .expected = *input.sha256},
-                location + ".sha256");
+                location / "sha256");
 }
 
 std::string label_of(const EditInput& input) {
@@ -97,7 +97,7 @@ void measure_result(EditReport& report, const MeshState& state, const Context& c
 }  // namespace
 
 Mesh load_input(const EditInput& input, const EditFile& edit, const Context& context) {
-  const std::string location = fmt::format("{}: inputs.{}", edit.location, input.name);
+  const Location location = Location::file(edit.location) / "inputs" / Location::field(input.name);
   try {
     if (!input.sample.empty()) return make_sample(input.sample, input.resolution, context);
     const std::filesystem::path path = edit.base_folder / input.file;
@@ -109,7 +109,7 @@ Mesh load_input(const EditInput& input, const EditFile& edit, const Context& con
   }
 }
 
-StepReport run_step(const EditFile& edit, const EditStep& edit_step, const std::string& location,
+StepReport run_step(const EditFile& edit, const EditStep& edit_step, const Location& location,
                     std::map<std::string, MeshState>& states, const RunOptions& options,
                     const Context& context) {
   if (std::holds_alternative<MergeStep>(edit_step.action))
@@ -176,7 +176,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
 
   std::string output;
   for (std::size_t i = 0; i < edit.steps.size(); ++i) {
-    const std::string location = fmt::format("{}: steps[{}]", edit.location, i);
+    const Location location = (Location::file(edit.location) / "steps")[i];
     output = outcome_of(edit.steps[i]);
     report.steps.push_back(run_step(edit, edit.steps[i], location, states, options, context));
     report.steps.back().name = edit.steps[i].name;
@@ -195,7 +195,7 @@ EditResult run_edit(const EditFile& edit, const RunOptions& options, const Conte
   const std::vector<std::string> names = mesh_names(edit);
   for (const std::string& wanted : options.keep)
     if (std::find(names.begin(), names.end(), wanted) == names.end())
-      throw Error(facts::script::NoMeshToKeep{.name = wanted, .known = names}, edit.location);
+      throw Error(facts::script::NoMeshToKeep{.name = wanted, .known = names}, Location::file(edit.location));
   return run_steps(edit, load_inputs(edit, context), options, context);
 }
 

@@ -22,11 +22,10 @@ namespace meshgraft {
 namespace {
 
 void require_merge_counts(const MergeCounts& expected, const MergeSide& source, const MergeSide& target,
-                          const std::vector<MergePair>& pairs, std::size_t fixed, const std::string& location) {
+                          const std::vector<MergePair>& pairs, std::size_t fixed, const Location& location) {
   const auto require = [&](const char* name, const std::optional<Index>& count, std::size_t found) {
     if (count && static_cast<std::size_t>(*count) != found)
-      throw Error(facts::script::WrongCount{.expected = *count, .found = found},
-                  fmt::format("{}.counts.{}", location, name));
+      throw Error(facts::script::WrongCount{.expected = *count, .found = found}, location / "counts" / name);
   };
   const auto require_sizes = [&](const char* name, const std::vector<Index>& sizes, auto size_of) {
     if (sizes.empty()) return;
@@ -48,19 +47,19 @@ void require_merge_counts(const MergeCounts& expected, const MergeSide& source, 
 
 // Returns the options of `merge` for a step, without lengths that refer to the source before it was posed.
 MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const SettingsOverrides& overrides,
-                             const std::string& location) {
+                             const Location& location) {
   MergeOptions options;
   options.pose = step.pose;
   options.shape = overrides.shape.value_or(step.shape);
   options.reach = step.reach;
   if (step.fixed) {
-    options.fixed = source.selections.vertices(*step.fixed, location + ".fixed");
-    if (options.fixed.empty()) throw Error(facts::script::FixedEmpty{}, location + ".fixed");
+    options.fixed = source.selections.vertices(*step.fixed, location / "fixed");
+    if (options.fixed.empty()) throw Error(facts::script::FixedEmpty{}, location / "fixed");
   }
   for (std::size_t i = 0; i < step.features.size(); ++i)
-    options.features.push_back({source.selections.vertices(step.features[i].select,
-                                                           fmt::format("{}.features[{}].select", location, i)),
-                                step.features[i].similarity});
+    options.features.push_back(
+        {source.selections.vertices(step.features[i].select, (location / "features")[i] / "select"),
+         step.features[i].similarity});
   options.size = step.size;
   options.normal_angle_deg = step.normal_angle_deg;
   options.smooth_boundary = step.smooth_boundary;
@@ -82,9 +81,9 @@ Index any_vertex(const Mesh& mesh, const VertexSpec& vertex) {
 
 // Returns the map by which the step poses the source before the merge.
 Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh& target,
-                          const std::string& location) {
+                          const Location& location) {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
-  if (step.mirror) map = reflection(*step.mirror, location + ".mirror");
+  if (step.mirror) map = reflection(*step.mirror, location / "mirror");
   if (step.source_transform) map = Eigen::Affine3d(*step.source_transform) * map;
   if (step.align.empty()) return map;
   Mesh mirrored;
@@ -95,27 +94,26 @@ Eigen::Affine3d posing_of(const MergeStep& step, const Mesh& source, const Mesh&
   try {
     return align_source(mirrored, target, pairs) * map;
   } catch (const Error& error) {
-    throw error.at(location + ".align" + error.location().substr(std::string_view("pairs").size()));
+    throw error.at(location / "align" / error.location().from(1));
   }
 }
 
-Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const std::string& location) {
+Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const Location& location) {
   if (map.matrix() == Eigen::Matrix4d::Identity()) return source;
-  return transformed(source, map, location + ".source_transform");
+  return transformed(source, map, location / "source_transform");
 }
 
 // Returns the error of a library call with the location of the field of the step.
-Error placed(const Error& error, const std::string& location) {
-  const std::string& inner = error.location();
-  if (inner.starts_with("pair ")) return error.at(fmt::format("{}.pairs[{}]", location, inner.substr(5)));
-  if (inner == "surface_point") return error.at(location + ".at");
-  for (const char* field : {"size", "normal_angle_deg", "reach", "fixed", "features"})
-    if (inner == field) return error.at(location + "." + inner);
+Error placed(const Error& error, const Location& location) {
+  const std::vector<LocationPart>& parts = error.location().parts();
+  if (!parts.empty() && parts.front().kind == LocationPart::Kind::pair)
+    return error.at((location / "pairs")[parts.front().index] / error.location().from(1));
+  if (error.location() == "surface_point") return error.at(location / "at");
   return error.within(location);
 }
 
 void judge_intersections(const MergeIntersections& found, const MergeStep& step, bool strict,
-                         std::vector<Note>& notes, const std::string& location) {
+                         std::vector<Note>& notes, const Location& location) {
   using namespace facts::script;
   if (!found.any_new()) return;
   if (strict && step.at) throw Error(StrictDropIntersects{.pairs = found.result}, location);
@@ -169,12 +167,12 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
 
 }  // namespace
 
-DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
+DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const Location& location,
                              const MeshState& target_scene, const MeshState& source_scene)
     : location_(location) {
   MergeSide source(facts::script::Side::source, edit, source_scene),
       target(facts::script::Side::target, edit, target_scene);
-  const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location + ".at")];
+  const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location / "at")];
   posing_ = posing_of(step, source.sound.mesh(), target.sound.mesh(), location);
   const Mesh part = posed(source.sound.mesh(), posing_, location);
   try {
@@ -192,7 +190,7 @@ Eigen::Affine3d DropPlacement::map(const MergeStep& step) const {
   }
 }
 
-StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std::string& location,
+StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Location& location,
                      std::map<std::string, MeshState>& states, const RunOptions& options,
                      const Context& context) {
   const auto& step = std::get<MergeStep>(edit_step.action);
@@ -208,20 +206,20 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const std:
       target(facts::script::Side::target, edit, states.at(step.target));
   std::vector<MergePair> pairs;
   if (step.at)
-    pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, location + ".at")], {}}, {}});
+    pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, location / "at")], {}}, {}});
   else
     pairs = resolve_pairs(step, source, target, location);
   outcome.options = resolve_options(step, source, options.overrides, location);
   require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), location);
   for (const MatchSpec& pair : step.align) {
     if (const auto* number = std::get_if<Index>(&pair.source))
-      source.require_sound(*number, location + ".align");
+      source.require_sound(*number, location / "align");
     if (const auto* number = std::get_if<Index>(&pair.target))
-      target.require_sound(*number, location + ".align");
+      target.require_sound(*number, location / "align");
   }
   if (step.at)
     if (const auto* number = std::get_if<Index>(&step.at->surface_point))
-      target.require_sound(*number, location + ".at");
+      target.require_sound(*number, location / "at");
   for (const MergePair& pair : pairs) {
     source.sound.require_beyond(pair.loops.source);
     target.sound.require_beyond(pair.loops.target);

@@ -56,7 +56,7 @@ struct DeformSetup {
 
 /// Resolves a deform step. `settings`: those in force. Throws what `resolve_deform` throws, and Error(input)
 /// for defects within reach.
-DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
+DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Location& location,
                           const MeshState& state, const DeformSettings& settings);
 
 /// Returns a step's options with the overrides in their place.
@@ -64,12 +64,12 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 
 /// These run one step on its meshes in `states` and store the outcome there. They throw what `run_edit`
 /// throws.
-StepReport run_step(const EditFile& edit, const EditStep& step, const std::string& location,
+StepReport run_step(const EditFile& edit, const EditStep& step, const Location& location,
                     std::map<std::string, MeshState>& states, const RunOptions& options,
                     const Context& context);
-StepReport run_deform(const EditFile& edit, const DeformStep& step, const std::string& location,
-                      MeshState& state, const RunOptions& options, const Context& context);
-StepReport run_merge(const EditFile& edit, const EditStep& step, const std::string& location,
+StepReport run_deform(const EditFile& edit, const DeformStep& step, const Location& location, MeshState& state,
+                      const RunOptions& options, const Context& context);
+StepReport run_merge(const EditFile& edit, const EditStep& step, const Location& location,
                      std::map<std::string, MeshState>& states, const RunOptions& options,
                      const Context& context);
 
@@ -77,8 +77,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& step, const std::stri
 class DropPlacement {
  public:
   /// Throws Error(input), like the step, for an invalid loop.
-  DropPlacement(const EditFile& edit, const MergeStep& step, const std::string& location,
-                const MeshState& target, const MeshState& source);
+  DropPlacement(const EditFile& edit, const MergeStep& step, const Location& location, const MeshState& target,
+                const MeshState& source);
 
   /// Returns a map of the source's original coordinates, for `at` and `size` of a step that is otherwise the
   /// same. Without a size the source keeps its own, though the merge may make it smaller. Throws Error(input)
@@ -86,18 +86,18 @@ class DropPlacement {
   Eigen::Affine3d map(const MergeStep& step) const;
 
  private:
-  std::string location_;
+  Location location_;
   Eigen::Affine3d posing_;
   std::optional<DropGuide> guide_;
 };
 
-StepReport run_cut(const EditStep& step, const std::string& location, std::map<std::string, MeshState>& states,
+StepReport run_cut(const EditStep& step, const Location& location, std::map<std::string, MeshState>& states,
                    const Context& context);
 
 /// Stores in `states` the outcome of a deform step whose solution is known, as `run_step` would. `solution`
 /// is the result of `Deformer::evaluate` on the problem that `set_up_deform` makes (n×3). Throws what
 /// `set_up_deform` throws.
-void apply_solution(const EditFile& edit, const EditStep& step, const std::string& location,
+void apply_solution(const EditFile& edit, const EditStep& step, const Location& location,
                     std::map<std::string, MeshState>& states, const Points& solution, const Context& context);
 
 /// Returns the mesh that a step works on, stored in `states` under the name of its outcome.

@@ -16,20 +16,20 @@
 
 namespace meshgraft {
 
-std::vector<Index> SelectionResolver::vertices(const EditSelection& spec, const std::string& location) {
+std::vector<Index> SelectionResolver::vertices(const EditSelection& spec, const Location& location) {
   std::vector<Index> list = resolve(bind(spec, location), context_, location);
   std::sort(list.begin(), list.end());
   list.erase(std::unique(list.begin(), list.end()), list.end());
   return list;
 }
 
-std::vector<Index> SelectionResolver::ordered(const EditSelection& spec, const std::string& location) {
+std::vector<Index> SelectionResolver::ordered(const EditSelection& spec, const Location& location) {
   if (const auto* named = std::get_if<EditSelection::Named>(&spec.kind))
     return ordered(definition(named->name), selection_location(named->name));
   return resolve(bind(spec, location), context_, location);
 }
 
-std::string SelectionResolver::read(const std::string& file, const std::string& location) const {
+std::string SelectionResolver::read(const std::string& file, const Location& location) const {
   const std::filesystem::path path = edit_.base_folder / file;
   try {
     return read_file(path);
@@ -44,44 +44,44 @@ const EditSelection& SelectionResolver::definition(const std::string& name) cons
       ->selection;
 }
 
-std::string SelectionResolver::selection_location(const std::string& name) const {
-  return fmt::format("{}: selections.{}", edit_.location, name);
+Location SelectionResolver::selection_location(const std::string& name) const {
+  return Location::file(edit_.location) / "selections" / Location::field(name);
 }
 
-std::string SelectionResolver::file_location(const std::string& file, const std::string& location) const {
-  return fmt::format("{}: {}", location, (edit_.base_folder / file).string());
+Location SelectionResolver::file_location(const std::string& file, const Location& location) const {
+  return location / (edit_.base_folder / file);
 }
 
-Selection SelectionResolver::bind(const EditSelection& spec, const std::string& location) {
+Selection SelectionResolver::bind(const EditSelection& spec, const Location& location) {
   return std::visit([&](const auto& kind) { return bind_kind(kind, location); }, spec.kind);
 }
 
 std::shared_ptr<const Selection> SelectionResolver::bind_child(const EditSelection::Child& child,
-                                                               const std::string& location) {
+                                                               const Location& location) {
   return std::make_shared<const Selection>(bind(*child, location));
 }
 
 std::vector<Selection> SelectionResolver::bind_all(const std::vector<EditSelection>& specs,
-                                                   const std::string& location) {
+                                                   const Location& location) {
   std::vector<Selection> selections;
   for (const EditSelection& spec : specs) selections.push_back(bind(spec, location));
   return selections;
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Named& named, const std::string&) {
+Selection SelectionResolver::bind_kind(const EditSelection::Named& named, const Location&) {
   const auto known = named_.find(named.name);
   if (known != named_.end()) return Selection(Selection::Indices{known->second});
   std::vector<Index> list = vertices(definition(named.name), selection_location(named.name));
   return Selection(Selection::Indices{named_[named.name] = std::move(list)});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::IndexFile& indices, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::IndexFile& indices, const Location& location) {
   const std::string text = read(indices.file, location);
   return Selection(Selection::Indices{
       parse_indices(text, context_.mesh.vertex_count(), file_location(indices.file, location))});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::SelFile& sel, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::SelFile& sel, const Location& location) {
   const std::string text = read(sel.file, location);
   SelRoles parts = parse_sel(text, context_.mesh.vertex_count(), file_location(sel.file, location));
   switch (sel.take) {
@@ -92,7 +92,7 @@ Selection SelectionResolver::bind_kind(const EditSelection::SelFile& sel, const 
   return Selection(Selection::Indices{std::move(parts.handle)});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Produced& wanted, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Produced& wanted, const Location& location) {
   const auto step = produced_.find(wanted.step);
   if (step != produced_.end())
     if (const auto set = step->second.find(wanted.what); set != step->second.end())
@@ -109,32 +109,32 @@ Selection SelectionResolver::bind_kind(const EditSelection::Produced& wanted, co
   throw Error(facts::script::NoSuchStep{.step = wanted.step, .known = std::views::keys(produced_)}, location);
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Grow& grow, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Grow& grow, const Location& location) {
   return Selection(Selection::Grow{bind_child(grow.of, location), grow.rings});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::GrowLength& grow, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::GrowLength& grow, const Location& location) {
   return Selection(Selection::GrowLength{bind_child(grow.of, location), grow.length});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Union& combined, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Union& combined, const Location& location) {
   return Selection(Selection::Union{bind_all(combined.of, location)});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Minus& combined, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Minus& combined, const Location& location) {
   return Selection(Selection::Minus{bind_all(combined.of, location)});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Intersect& combined, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Intersect& combined, const Location& location) {
   return Selection(Selection::Intersect{bind_all(combined.of, location)});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Mirror& mirror, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Mirror& mirror, const Location& location) {
   return Selection(
       Selection::Mirror{bind_child(mirror.of, location), mirror.point, mirror.normal, mirror.tolerance_rel});
 }
 
-Selection SelectionResolver::bind_kind(const EditSelection::Rim& rim, const std::string& location) {
+Selection SelectionResolver::bind_kind(const EditSelection::Rim& rim, const Location& location) {
   return Selection(Selection::Rim{bind_child(rim.of, location), rim.rings});
 }
 

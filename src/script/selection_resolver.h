@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/select/selection.h>
@@ -22,40 +23,40 @@ class SelectionResolver {
       : edit_(edit), context_(context), produced_(produced) {}
 
   /// Returns distinct vertices, ascending.
-  std::vector<Index> vertices(const EditSelection& spec, const std::string& location);
+  std::vector<Index> vertices(const EditSelection& spec, const Location& location);
 
   /// Returns vertices in the order of the path, the loop or the list that the selection is.
-  std::vector<Index> ordered(const EditSelection& spec, const std::string& location);
+  std::vector<Index> ordered(const EditSelection& spec, const Location& location);
 
   /// Returns the content of a file whose path is relative to the edit file. Throws Error(io), naming
   /// `location`, where it cannot be read.
-  std::string read(const std::string& file, const std::string& location) const;
+  std::string read(const std::string& file, const Location& location) const;
 
  private:
   const EditSelection& definition(const std::string& name) const;
-  std::string selection_location(const std::string& name) const;
-  std::string file_location(const std::string& file, const std::string& location) const;
+  Location selection_location(const std::string& name) const;
+  Location file_location(const std::string& file, const Location& location) const;
 
   /// Returns the library's selection for `spec`.
-  Selection bind(const EditSelection& spec, const std::string& location);
-  std::shared_ptr<const Selection> bind_child(const EditSelection::Child& child, const std::string& location);
-  std::vector<Selection> bind_all(const std::vector<EditSelection>& specs, const std::string& location);
+  Selection bind(const EditSelection& spec, const Location& location);
+  std::shared_ptr<const Selection> bind_child(const EditSelection::Child& child, const Location& location);
+  std::vector<Selection> bind_all(const std::vector<EditSelection>& specs, const Location& location);
 
   template <class Kind>
-  Selection bind_kind(const Kind& kind, const std::string&) {
+  Selection bind_kind(const Kind& kind, const Location&) {
     return Selection(kind);
   }
-  Selection bind_kind(const EditSelection::Named& named, const std::string& location);
-  Selection bind_kind(const EditSelection::IndexFile& indices, const std::string& location);
-  Selection bind_kind(const EditSelection::SelFile& sel, const std::string& location);
-  Selection bind_kind(const EditSelection::Produced& wanted, const std::string& location);
-  Selection bind_kind(const EditSelection::Grow& grow, const std::string& location);
-  Selection bind_kind(const EditSelection::GrowLength& grow, const std::string& location);
-  Selection bind_kind(const EditSelection::Union& combined, const std::string& location);
-  Selection bind_kind(const EditSelection::Minus& combined, const std::string& location);
-  Selection bind_kind(const EditSelection::Intersect& combined, const std::string& location);
-  Selection bind_kind(const EditSelection::Mirror& mirror, const std::string& location);
-  Selection bind_kind(const EditSelection::Rim& rim, const std::string& location);
+  Selection bind_kind(const EditSelection::Named& named, const Location& location);
+  Selection bind_kind(const EditSelection::IndexFile& indices, const Location& location);
+  Selection bind_kind(const EditSelection::SelFile& sel, const Location& location);
+  Selection bind_kind(const EditSelection::Produced& wanted, const Location& location);
+  Selection bind_kind(const EditSelection::Grow& grow, const Location& location);
+  Selection bind_kind(const EditSelection::GrowLength& grow, const Location& location);
+  Selection bind_kind(const EditSelection::Union& combined, const Location& location);
+  Selection bind_kind(const EditSelection::Minus& combined, const Location& location);
+  Selection bind_kind(const EditSelection::Intersect& combined, const Location& location);
+  Selection bind_kind(const EditSelection::Mirror& mirror, const Location& location);
+  Selection bind_kind(const EditSelection::Rim& rim, const Location& location);
 
   const EditFile& edit_;
   const SelectionMesh& context_;

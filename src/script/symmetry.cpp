@@ -38,10 +38,10 @@ std::vector<Index> joined(const std::vector<Index>& a, const std::vector<Index>&
 
 }  // namespace
 
-MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& context, std::string location)
+MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& context, Location location)
     : context_(context),
       location_(std::move(location)),
-      reflection_(meshgraft::reflection(symmetry.plane, location_ + ".normal")),
+      reflection_(meshgraft::reflection(symmetry.plane, location_ / "normal")),
       tolerance_rel_(symmetry.tolerance_rel),
       diagonal_(box_diagonal(context.mesh.positions)),
       partner_(context.mesh.vertex_count(), -1),
@@ -59,11 +59,11 @@ MirrorMatch::MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& cont
   });
 }
 
-void MirrorMatch::require_face(Index v, const std::string& where) const {
+void MirrorMatch::require_face(Index v, const Location& where) const {
   if (image_distance(v) < 0) throw Error(facts::script::VertexWithoutFace{.vertex = v}, where);
 }
 
-Index MirrorMatch::required_partner(Index v, const std::string& where) const {
+Index MirrorMatch::required_partner(Index v, const Location& where) const {
   if (partner(v) >= 0) return partner(v);
   require_face(v, where);
   const Lack lack = lack_of({v});
@@ -89,7 +89,7 @@ std::vector<Index> MirrorMatch::with_images(const std::vector<Index>& set) const
 }
 
 // Returns the partners in the order of the curve. A partner that consecutive vertices share is listed once.
-std::vector<Index> MirrorMatch::course_of_images(const Handle& handle, const std::string& where) const {
+std::vector<Index> MirrorMatch::course_of_images(const Handle& handle, const Location& where) const {
   std::vector<Index> course;
   for (const Index v : handle.vertices)
     if (course.empty() || course.back() != partner(v)) course.push_back(partner(v));
@@ -111,7 +111,7 @@ bool MirrorMatch::is_own_image(const Handle& handle) const {
   });
 }
 
-void MirrorMatch::require_partners(const Handle& handle, const std::string& where) const {
+void MirrorMatch::require_partners(const Handle& handle, const Location& where) const {
   std::vector<Index> lost;
   for (const Index v : handle.vertices)
     if (partner(v) < 0) lost.push_back(v);
@@ -146,7 +146,7 @@ Lack MirrorMatch::lack_of(const std::vector<Index>& vertices) const {
   return lack;
 }
 
-std::optional<Handle> MirrorMatch::twin_of(Handle& handle, const std::string& where) const {
+std::optional<Handle> MirrorMatch::twin_of(Handle& handle, const Location& where) const {
   require_partners(handle, where);
   std::vector<Index> held = handle.vertices;
   std::sort(held.begin(), held.end());

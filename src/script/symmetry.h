@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/location.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/select/selection.h>
@@ -27,7 +28,7 @@ struct Lack {
 class MirrorMatch {
  public:
   /// `location` is that of the field `symmetry`. Throws Error(input) for an invalid plane.
-  MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& context, std::string location);
+  MirrorMatch(const SymmetrySpec& symmetry, const SelectionMesh& context, Location location);
 
   const Eigen::Affine3d& reflection() const { return reflection_; }
 
@@ -37,7 +38,7 @@ class MirrorMatch {
 
   /// Returns the partner of `v`. Throws Error(input), naming `where`, where there is none: with the id
   /// script.vertex_without_mirror_image if a larger tolerance finds one, else script.vertex_not_mirrored.
-  Index required_partner(Index v, const std::string& where) const;
+  Index required_partner(Index v, const Location& where) const;
 
   /// Returns `set` (ascending) and its mirror images: the partners of its vertices, and the vertices whose
   /// partners are in `set`. The latter fill holes where the two sides are triangulated differently.
@@ -47,7 +48,7 @@ class MirrorMatch {
   /// image, and extends it to hold all of its images. Throws Error(input), naming `where`, for a handle that
   /// partly overlaps its image (script.overlaps_mirror_image), and for one with vertices that have no partner
   /// (script.no_mirror_image if a larger tolerance finds one for each, else script.not_mirrored).
-  std::optional<Handle> twin_of(Handle& handle, const std::string& where) const;
+  std::optional<Handle> twin_of(Handle& handle, const Location& where) const;
 
   /// Returns the vertices of `set` that belong to a face and have no partner, ascending.
   std::vector<Index> without_partner(const std::vector<Index>& set) const;
@@ -57,15 +58,15 @@ class MirrorMatch {
 
  private:
   std::vector<Index> images(const std::vector<Index>& set) const;
-  std::vector<Index> course_of_images(const Handle& handle, const std::string& where) const;
+  std::vector<Index> course_of_images(const Handle& handle, const Location& where) const;
   bool is_own_image(const Handle& handle) const;
-  void require_partners(const Handle& handle, const std::string& where) const;
-  void require_face(Index v, const std::string& where) const;
+  void require_partners(const Handle& handle, const Location& where) const;
+  void require_face(Index v, const Location& where) const;
   Lack lack_of(const std::vector<Index>& vertices) const;
   double image_distance(Index v) const { return distance_[v]; }
 
   const SelectionMesh& context_;
-  std::string location_;
+  Location location_;
   Eigen::Affine3d reflection_;
   double tolerance_rel_ = 0, diagonal_ = 0;
   std::vector<Index> partner_;

@@ -23,21 +23,17 @@ namespace meshgraft {
 
 namespace {
 
-std::string at(const std::string& location, std::string_view list, std::size_t k) {
-  return location + "." + std::string(list) + "[" + std::to_string(k) + "]";
-}
-
-void require_finite(const Eigen::Vector3d& vector, const std::string& location) {
+void require_finite(const Eigen::Vector3d& vector, const Location& location) {
   if (!vector.allFinite())
     throw Error(facts::core::NotFinite{.what = facts::core::Quantity::coordinate}, location);
 }
 
-void require_not_negative(double number, const std::string& location) {
+void require_not_negative(double number, const Location& location) {
   if (!std::isfinite(number) || number < 0)
     throw Error(facts::core::NegativeOrNotFinite{.value = number}, location);
 }
 
-Eigen::Vector3d unit(const Eigen::Vector3d& normal, const std::string& location) {
+Eigen::Vector3d unit(const Eigen::Vector3d& normal, const Location& location) {
   require_finite(normal, location);
   const double length = normal.stableNorm();
   if (length == 0) throw Error(facts::core::NormalWithoutLength{}, location);
@@ -110,7 +106,7 @@ class Resolver {
  public:
   explicit Resolver(const SelectionMesh& context) : context_(context), count_(context.mesh.vertex_count()) {}
 
-  std::vector<Index> resolve(const Selection& selection, const std::string& location) const {
+  std::vector<Index> resolve(const Selection& selection, const Location& location) const {
     std::vector<Index> found =
         std::visit([&](const auto& kind) { return vertices(kind, location); }, selection.kind);
     return context_.weld.empty() ? found : representatives(found);
@@ -131,73 +127,73 @@ class Resolver {
 
   Eigen::Vector3d position(Index v) const { return context_.mesh.positions.row(v).transpose(); }
 
-  std::vector<Index> child(const std::shared_ptr<const Selection>& of, const std::string& location) const {
+  std::vector<Index> child(const std::shared_ptr<const Selection>& of, const Location& location) const {
     if (!of) throw Error(facts::select::NoSelection{}, location);
     return resolve(*of, location);
   }
 
-  std::vector<Index> vertices(const Selection::All&, const std::string&) const {
+  std::vector<Index> vertices(const Selection::All&, const Location&) const {
     std::vector<Index> all(count_);
     std::iota(all.begin(), all.end(), 0);
     return all;
   }
 
-  std::vector<Index> vertices(const Selection::Indices& indices, const std::string& location) const {
+  std::vector<Index> vertices(const Selection::Indices& indices, const Location& location) const {
     Flags seen(count_, false);
     std::vector<Index> distinct;
     for (std::size_t k = 0; k < indices.vertices.size(); ++k) {
       const Index v = indices.vertices[k];
       if (v < 0 || v >= count_)
-        throw Error(facts::core::NoSuchVertex{.vertex = v, .count = count_}, at(location, "indices", k));
+        throw Error(facts::core::NoSuchVertex{.vertex = v, .count = count_}, (location / "indices")[k]);
       if (!seen[v]) distinct.push_back(v);
       seen[v] = true;
     }
     return distinct;
   }
 
-  std::vector<Index> vertices(const Selection::Box& box, const std::string& location) const {
-    require_finite(box.min, location + ".box.min");
-    require_finite(box.max, location + ".box.max");
-    if ((box.min.array() > box.max.array()).any()) throw Error(facts::select::BoxReversed{}, location + ".box");
+  std::vector<Index> vertices(const Selection::Box& box, const Location& location) const {
+    require_finite(box.min, location / "box" / "min");
+    require_finite(box.max, location / "box" / "max");
+    if ((box.min.array() > box.max.array()).any()) throw Error(facts::select::BoxReversed{}, location / "box");
     return vertices_where(count_, [&](Index v) {
       const Eigen::Array3d x = position(v).array();
       return (x >= box.min.array()).all() && (x <= box.max.array()).all();
     });
   }
 
-  std::vector<Index> vertices(const Selection::Sphere& sphere, const std::string& location) const {
-    require_finite(sphere.centre, location + ".sphere.centre");
-    require_not_negative(sphere.radius, location + ".sphere.radius");
+  std::vector<Index> vertices(const Selection::Sphere& sphere, const Location& location) const {
+    require_finite(sphere.centre, location / "sphere" / "centre");
+    require_not_negative(sphere.radius, location / "sphere" / "radius");
     return vertices_where(count_,
                           [&](Index v) { return (position(v) - sphere.centre).norm() <= sphere.radius; });
   }
 
-  std::vector<Index> vertices(const Selection::HalfSpace& half, const std::string& location) const {
-    require_finite(half.point, location + ".half_space.point");
-    const Eigen::Vector3d normal = unit(half.normal, location + ".half_space.normal");
+  std::vector<Index> vertices(const Selection::HalfSpace& half, const Location& location) const {
+    require_finite(half.point, location / "half_space" / "point");
+    const Eigen::Vector3d normal = unit(half.normal, location / "half_space" / "normal");
     return vertices_where(count_, [&](Index v) { return (position(v) - half.point).dot(normal) >= 0; });
   }
 
-  std::vector<Index> vertices(const Selection::Component& component, const std::string& location) const {
+  std::vector<Index> vertices(const Selection::Component& component, const Location& location) const {
     const auto& numbers = context_.components;
     const Index count = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end()) + 1;
-    if (count == 0) throw Error(facts::select::NoVertexWithFace{}, location + ".component");
+    if (count == 0) throw Error(facts::select::NoVertexWithFace{}, location / "component");
     if (component.number < 0 || component.number >= count)
       throw Error(facts::select::NoSuchComponent{.number = component.number, .count = count},
-                  location + ".component");
+                  location / "component");
     return vertices_where(count_, [&](Index v) { return numbers[v] == component.number; });
   }
 
-  std::vector<Index> vertices(const Selection::Loop& loop, const std::string& location) const {
+  std::vector<Index> vertices(const Selection::Loop& loop, const Location& location) const {
     const auto count = static_cast<Index>(context_.loops.size());
-    if (count == 0) throw Error(facts::select::NoLoops{.number = loop.number}, location + ".loop");
+    if (count == 0) throw Error(facts::select::NoLoops{.number = loop.number}, location / "loop");
     if (loop.number < 0 || loop.number >= count)
-      throw Error(facts::select::NoSuchLoop{.number = loop.number, .count = count}, location + ".loop");
+      throw Error(facts::select::NoSuchLoop{.number = loop.number, .count = count}, location / "loop");
     return context_.loops[loop.number];
   }
 
-  std::vector<Index> vertices(const Selection::NearestVertex& nearest, const std::string& location) const {
-    require_finite(nearest.point, location + ".nearest");
+  std::vector<Index> vertices(const Selection::NearestVertex& nearest, const Location& location) const {
+    require_finite(nearest.point, location / "nearest");
     // A linear search suffices, because a tree does not pay for one query.
     Index best = -1;
     double best_distance = std::numeric_limits<double>::infinity();
@@ -207,12 +203,12 @@ class Resolver {
       best = v;
       best_distance = distance;
     }
-    if (best < 0) throw Error(facts::select::NoVertexWithFace{}, location + ".nearest");
+    if (best < 0) throw Error(facts::select::NoVertexWithFace{}, location / "nearest");
     return {best};
   }
 
-  std::vector<Index> vertices(const Selection::Path& path, const std::string& location) const {
-    const std::vector<Index> stations = path_stations(path, location + ".path");
+  std::vector<Index> vertices(const Selection::Path& path, const Location& location) const {
+    const std::vector<Index> stations = path_stations(path, location / "path");
     PathFinder finder(context_);
     finder.block(stations);
     std::vector<Index> vertices = {stations[0]};
@@ -221,7 +217,7 @@ class Resolver {
       const Index from = stations[k];
       const Index to = stations[(k + 1) % stations.size()];
       const std::vector<Index> leg = finder.find(from, to);
-      if (leg.empty()) throw Error(facts::select::NoWayAlongEdges{.from = from, .to = to}, location + ".path");
+      if (leg.empty()) throw Error(facts::select::NoWayAlongEdges{.from = from, .to = to}, location / "path");
       finder.block(leg);
       vertices.insert(vertices.end(), leg.begin(), leg.end());
     }
@@ -230,18 +226,18 @@ class Resolver {
   }
 
   // Returns the vertices nearest to a path's points, without successive repeats.
-  std::vector<Index> path_stations(const Selection::Path& path, const std::string& location) const {
+  std::vector<Index> path_stations(const Selection::Path& path, const Location& location) const {
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> stations;
     Flags seen(count_, false);
     for (std::size_t k = 0; k < path.points.size(); ++k) {
-      require_finite(path.points[k], at(location, "points", k));
+      require_finite(path.points[k], (location / "points")[k]);
       const auto nearest = tree.nearest(path.points[k]);
       if (!nearest) throw Error(facts::select::NoVertexWithFace{}, location);
       const Index v = nearest->vertex;
       const bool comes_home = path.closed && k + 1 == path.points.size() && k > 0 && v == stations.front();
       if ((!stations.empty() && v == stations.back()) || comes_home) continue;
-      if (seen[v]) throw Error(facts::select::PathCrossesItself{.vertex = v}, at(location, "points", k));
+      if (seen[v]) throw Error(facts::select::PathCrossesItself{.vertex = v}, (location / "points")[k]);
       seen[v] = true;
       stations.push_back(v);
     }
@@ -251,27 +247,27 @@ class Resolver {
                                                                   : facts::select::Kind::path,
                                               .needed = needed,
                                               .count = stations.size()},
-                  location + ".points");
+                  location / "points");
     return stations;
   }
 
-  std::vector<Index> vertices(const Selection::Grow& grow, const std::string& location) const {
-    const std::vector<Index> of = child(grow.of, location + ".grow.of");
+  std::vector<Index> vertices(const Selection::Grow& grow, const Location& location) const {
+    const std::vector<Index> of = child(grow.of, location / "grow" / "of");
     if (grow.rings >= 0) return grow_rings(of, grow.rings, context_.rings);
     const Flags near_outside = within_rings_of_outside(of, -std::int64_t{grow.rings});
     return ascending(of, [&](Index v) { return !near_outside[v]; });
   }
 
-  std::vector<Index> vertices(const Selection::GrowLength& grow, const std::string& location) const {
-    require_not_negative(grow.length, location + ".grow_length.length");
-    const std::vector<Index> of = child(grow.of, location + ".grow_length.of");
+  std::vector<Index> vertices(const Selection::GrowLength& grow, const Location& location) const {
+    require_not_negative(grow.length, location / "grow_length" / "length");
+    const std::vector<Index> of = child(grow.of, location / "grow_length" / "of");
     const auto distance = edge_distance(of, context_.mesh.positions, context_.rings, {.limit = grow.length});
     return vertices_where(count_, [&](Index v) { return std::isfinite(distance[v]); });
   }
 
-  std::vector<Index> vertices(const Selection::Rim& rim, const std::string& location) const {
-    if (rim.rings < 1) throw Error(facts::select::NoRings{}, location + ".rim.rings");
-    const std::vector<Index> of = child(rim.of, location + ".rim.of");
+  std::vector<Index> vertices(const Selection::Rim& rim, const Location& location) const {
+    if (rim.rings < 1) throw Error(facts::select::NoRings{}, location / "rim" / "rings");
+    const std::vector<Index> of = child(rim.of, location / "rim" / "of");
     const Flags near_outside = within_rings_of_outside(of, rim.rings);
     return ascending(of, [&](Index v) { return near_outside[v]; });
   }
@@ -289,42 +285,42 @@ class Resolver {
     return vertices_where(count_, [&](Index v) { return in[v] && predicate(v); });
   }
 
-  std::vector<Flags> operands(const std::vector<Selection>& of, const std::string& location,
-                              std::string_view name) const {
-    if (of.empty()) throw Error(facts::select::NoSelection{}, location + "." + std::string(name));
+  std::vector<Flags> operands(const std::vector<Selection>& of, const Location& location,
+                              const char* name) const {
+    if (of.empty()) throw Error(facts::select::NoSelection{}, location / name);
     std::vector<Flags> sets;
     for (std::size_t k = 0; k < of.size(); ++k) {
-      sets.push_back(flags_of(resolve(of[k], at(location, name, k)), count_));
+      sets.push_back(flags_of(resolve(of[k], (location / name)[k]), count_));
     }
     return sets;
   }
 
-  std::vector<Index> vertices(const Selection::Union& combined, const std::string& location) const {
+  std::vector<Index> vertices(const Selection::Union& combined, const Location& location) const {
     const auto sets = operands(combined.of, location, "union");
     return vertices_where(count_, [&](Index v) {
       return std::any_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
     });
   }
 
-  std::vector<Index> vertices(const Selection::Intersect& combined, const std::string& location) const {
+  std::vector<Index> vertices(const Selection::Intersect& combined, const Location& location) const {
     const auto sets = operands(combined.of, location, "intersect");
     return vertices_where(count_, [&](Index v) {
       return std::all_of(sets.begin(), sets.end(), [&](const Flags& set) { return set[v]; });
     });
   }
 
-  std::vector<Index> vertices(const Selection::Minus& combined, const std::string& location) const {
+  std::vector<Index> vertices(const Selection::Minus& combined, const Location& location) const {
     const auto sets = operands(combined.of, location, "minus");
     return vertices_where(count_, [&](Index v) {
       return sets[0][v] && std::none_of(sets.begin() + 1, sets.end(), [&](const Flags& set) { return set[v]; });
     });
   }
 
-  std::vector<Index> vertices(const Selection::Mirror& mirror, const std::string& location) const {
-    require_finite(mirror.point, location + ".mirror.point");
-    const Eigen::Vector3d normal = unit(mirror.normal, location + ".mirror.normal");
-    require_not_negative(mirror.tolerance_rel, location + ".mirror.tolerance_rel");
-    const std::vector<Index> of = child(mirror.of, location + ".mirror.of");
+  std::vector<Index> vertices(const Selection::Mirror& mirror, const Location& location) const {
+    require_finite(mirror.point, location / "mirror" / "point");
+    const Eigen::Vector3d normal = unit(mirror.normal, location / "mirror" / "normal");
+    require_not_negative(mirror.tolerance_rel, location / "mirror" / "tolerance_rel");
+    const std::vector<Index> of = child(mirror.of, location / "mirror" / "of");
     const double tolerance = mirror.tolerance_rel * box_diagonal(context_.mesh.positions);
     const VertexTree tree(context_.mesh.positions, candidates_of(context_));
     std::vector<Index> images;
@@ -350,8 +346,7 @@ SelectionMesh::SelectionMesh(const Mesh& the_mesh, Weld the_weld) : mesh(the_mes
   loops = std::move(the_loops);
 }
 
-std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context,
-                           const std::string& location) {
+std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context, const Location& location) {
   return Resolver(context).resolve(selection, location);
 }
 

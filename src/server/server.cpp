@@ -232,7 +232,7 @@ void Server::Impl::take_address() {
   if (failed == asio::error::address_in_use && options.or_free_port) failed = listen(0);
   if (failed)
     throw Error(facts::server::AddressNotTaken{.reason = failed.message()},
-                fmt::format("{}:{}", options.address, options.port));
+                Location::place(fmt::format("{}:{}", options.address, options.port)));
   access = std::make_unique<Access>(token, options.address, acceptor.local_endpoint().port());
 }
 

@@ -53,8 +53,8 @@ struct StandardTest {
     for (double& value : rest.reshaped<Eigen::RowMajor>()) off >> value;
     for (Index t = 0; t < faces; ++t) off >> corners >> triangles(t, 0) >> triangles(t, 1) >> triangles(t, 2);
     if (!off) throw std::runtime_error(name + ": the OFF file cannot be read");
-    selection = parse_sel(read_text(data_folder() / (name + ".sel")), vertices, name);
-    const Eigen::Affine3d move(parse_def(read_text(data_folder() / (name + ".def")), name));
+    selection = parse_sel(read_text(data_folder() / (name + ".sel")), vertices, Location::file(name));
+    const Eigen::Affine3d move(parse_def(read_text(data_folder() / (name + ".def")), Location::file(name)));
     for (Index v : selection.fixed)
       constraints.push_back({v, Eigen::Vector3d(rest.row(v)), Eigen::Matrix3d::Identity()});
     for (Index v : selection.handle)

@@ -60,7 +60,7 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"compare edit.json -o sheet.obj", 5, "this is not a folder"},
       {"compare edit.json -o nowhere/there", 5, "nowhere"},
       {"sample", 2, "no sample is named"},
-      {"deform broken.json -o o.ply", 3, "broken.json: line 1, column 2: is not valid JSON"},
+      {"deform broken.json -o o.ply", 3, "broken.json, line 1, column 2: is not valid JSON"},
       {"deform edit.json -o o.xyz", 3, ".xyz"},
       {"sample nothing -o o.ply", 3, "octopus"},
       {"deform loose.json -o o.ply", 4, "loose.json: steps[0]"},

@@ -32,20 +32,41 @@ TEST(Error, IsAFactAndALocation) {
   EXPECT_THROW((void)error.fact().value("face"), std::out_of_range);
 }
 
+TEST(Location, IsWrittenFromTheOutsideIn) {
+  const Location edit = Location::file("edit.json"), step = (edit / "steps")[2];
+  EXPECT_EQ(Location().text(), "");
+  EXPECT_EQ((step / "handles")[0] / "pose", (((edit / "steps")[2] / "handles")[0] / "pose"));
+  EXPECT_EQ(((step / "handles")[0] / "pose").text(), "edit.json: steps[2].handles[0].pose");
+  EXPECT_EQ((step / Location::handle("it's") / "axis").text(), "edit.json: steps[2]: handle 'it's'.axis");
+  EXPECT_EQ((step / Location::pair(1)).text(), "edit.json: steps[2]: pair 1");
+  EXPECT_EQ((step / "select" / std::filesystem::path("a.sel") / Location::place("line 3")).text(),
+            "edit.json: steps[2].select: a.sel, line 3");
+}
+
+TEST(Location, IsWithinWhatItStartsWith) {
+  const Location edit = Location::file("edit.json"), field = (edit / "steps")[2] / "pose";
+  EXPECT_TRUE(field.starts_with(edit / "steps"));
+  EXPECT_TRUE(field.starts_with(field));
+  EXPECT_FALSE(edit.starts_with(field));
+  EXPECT_FALSE(field.starts_with("steps"));
+  EXPECT_EQ(field.from(3), "pose");
+  EXPECT_TRUE(field.from(9).empty());
+}
+
 TEST(Error, WithinPutsTheOuterLocationFirst) {
-  const Error inner(facts::core::NoFaces{}, "component 2");
-  const Error outer = inner.within("edit.json").within("batch");
+  const Error inner(facts::core::NoFaces{}, Location::place("component 2"));
+  const Error outer = inner.within(Location::file("edit.json")).within(Location::file("batch"));
   EXPECT_EQ(outer.fact(), inner.fact());
-  EXPECT_EQ(outer.location(), "batch: edit.json: component 2");
-  EXPECT_EQ(Error(facts::core::NoFaces{}).within("a.ply").location(), "a.ply");
-  EXPECT_EQ(inner.at("a.ply").location(), "a.ply");
+  EXPECT_EQ(outer.location().text(), "batch: edit.json, component 2");
+  EXPECT_EQ(Error(facts::core::NoFaces{}).within(Location::file("a.ply")).location().text(), "a.ply");
+  EXPECT_EQ(inner.at(Location::file("a.ply")).location().text(), "a.ply");
 }
 
 TEST(Error, EndsWithItsNotes) {
-  const Error error = Error(facts::core::NoFaces{}, "arm.ply")
+  const Error error = Error(facts::core::NoFaces{}, Location::file("arm.ply"))
                           .with(facts::core::NotFinite{.what = facts::core::Quantity::point});
   EXPECT_EQ(error.notes().size(), 1u);
-  EXPECT_STREQ(error.within("edit.json").what(),
+  EXPECT_STREQ(error.within(Location::file("edit.json")).what(),
                "edit.json: arm.ply: the mesh has no faces. Export it with its faces. the point is not finite");
 }
 

@@ -60,7 +60,7 @@ TEST(HandlePivot, NamesAnEmptyHandleAndABadIndex) {
   handle.name = "ear";
   const Error empty = error_of([&] { handle_pivot(handle, cube.positions, rings); });
   EXPECT_EQ(empty.id(), "deform.no_vertices");
-  EXPECT_EQ(empty.location(), "handle 'ear'");
+  EXPECT_EQ(empty.location().text(), "handle 'ear'");
   handle.vertices = {8};
   EXPECT_EQ(error_of([&] { handle_pivot(handle, cube.positions, rings); }).code(), ErrorCode::input);
 }
@@ -124,10 +124,10 @@ TEST(MakePose, NamesWhatIsWrong) {
   motion.angle_deg = 10;
   const Error no_axis = error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); });
   EXPECT_EQ(no_axis.id(), "deform.axis_without_length");
-  EXPECT_EQ(no_axis.location(), "axis");
+  EXPECT_EQ(no_axis.location().text(), "axis");
   motion = {};
   motion.scale.x() = std::nan("");
-  EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).location(), "scale");
+  EXPECT_EQ(error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); }).location().text(), "scale");
   motion = {};
   motion.angle_deg = INFINITY;
   const Error no_angle = error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); });

@@ -72,7 +72,7 @@ TEST(PoseMatrix, OnlyAffinePosesHaveOne) {
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.id(), "deform.curve_not_affine");
-    EXPECT_NE(error.location().find('b'), std::string::npos) << error.location();
+    EXPECT_NE(error.location().text().find('b'), std::string::npos) << error.location().text();
   }
 }
 

@@ -91,32 +91,41 @@ void ask_all_of_grafting(Page& page) {
 }
 
 TEST(Protocol, TakesLocationsApart) {
-  const auto parts = [](const char* location) {
+  const Location edit = Location::file("edit");
+  const auto step = [&](std::size_t number) { return (edit / "steps")[number]; };
+  const auto parts = [](const Location& location) {
     const editor::ErrorLocation found = editor::parts_of_location(location);
     return std::pair(found.step ? static_cast<int>(*found.step) : -1, found.rest);
   };
-  EXPECT_EQ(parts("edit: steps[12].handles[0].pose"), std::pair(12, std::string("handles[0].pose")));
-  EXPECT_EQ(parts("edit: steps[0].pairs[1]: source_loop"), std::pair(0, std::string("pairs[1]: source_loop")));
-  EXPECT_EQ(parts("edit: steps[3]: source"), std::pair(3, std::string("source")));
-  EXPECT_EQ(parts("edit: steps[3]"), std::pair(3, std::string()));
-  EXPECT_EQ(parts("edit: selections.ear"), std::pair(-1, std::string("selections.ear")));
-  EXPECT_EQ(parts("edit"), std::pair(-1, std::string()));
-  EXPECT_EQ(parts("/models/steps[1].ply"), std::pair(-1, std::string("/models/steps[1].ply")));
-  EXPECT_EQ(editor::parts_of_location("/models/a.ply, line 3").file, "/models/a.ply, line 3");
+  const Location pair = (step(0) / "pairs")[1] / "source_loop";
+  EXPECT_EQ(parts((step(12) / "handles")[0] / "pose"), std::pair(12, std::string("handles[0].pose")));
+  EXPECT_EQ(parts(pair), std::pair(0, std::string("pairs[1].source_loop")));
+  EXPECT_EQ(parts(step(3)), std::pair(3, std::string()));
+  EXPECT_EQ(parts(edit / "selections" / "ear"), std::pair(-1, std::string("selections.ear")));
+  EXPECT_EQ(parts(edit), std::pair(-1, std::string()));
+  EXPECT_EQ(parts(Location::file("/models/steps[1].ply")), std::pair(-1, std::string("/models/steps[1].ply")));
+  const Location line = Location::file("/models/a.ply") / Location::place("line 3");
+  EXPECT_EQ(editor::parts_of_location(line).file, "/models/a.ply, line 3");
+  EXPECT_EQ(editor::parts_of_location(edit / "inputs" / "a" / line).file, "/models/a.ply, line 3");
   EXPECT_FALSE(editor::parts_of_location("select").file);
-  EXPECT_EQ(editor::parts_of_location("edit: steps[0].pairs[1]: source_loop").pair, 1u);
-  EXPECT_EQ(editor::parts_of_location("edit: steps[0]: handle 'it's'.pose").handle, "it's");
+  EXPECT_EQ(editor::parts_of_location(pair).pair, 1u);
+  for (const std::string name : {"it's", "': pairs[3]"})
+    EXPECT_EQ(editor::parts_of_location(step(0) / Location::handle(name) / "pose").handle, name);
 }
 
 TEST(Protocol, NamesHandlesAndFilesWhereErrorsLie) {
   const Json document = {{"steps", {{{"handles", {{{"name", "a"}}, {{"name", "nose"}}}}}}}};
-  const Error numbered(facts::core::NoFaces{}, "edit: steps[0].handles[1].pose.axis");
-  EXPECT_EQ(editor::with_handle_name(numbered, document).location(), "edit: steps[0]: handle 'nose'.pose.axis");
-  for (const char* location :
-       {"edit: steps[0].handles[7]", "edit: steps[2].handles[0]", "edit: steps[0]", "select"})
+  const Location edit = Location::file("edit"), step = (edit / "steps")[0];
+  const Error numbered(facts::core::NoFaces{}, (step / "handles")[1] / "pose" / "axis");
+  EXPECT_EQ(editor::with_handle_name(numbered, document).location(),
+            step / Location::handle("nose") / "pose" / "axis");
+  for (const Location& location :
+       {(step / "handles")[7], ((edit / "steps")[2] / "handles")[0], step, Location("select")})
     EXPECT_EQ(editor::with_handle_name(numbered.at(location), document).location(), location);
-  EXPECT_EQ(editor::in_file(numbered, "/m/e.json").location(), "/m/e.json: steps[0].handles[1].pose.axis");
-  EXPECT_EQ(editor::in_file(numbered.at("/m/a.ply"), "/m/e.json").location(), "/m/a.ply");
+  EXPECT_EQ(editor::in_file(numbered, "/m/e.json").location().text(),
+            "/m/e.json: steps[0].handles[1].pose.axis");
+  const Location other = Location::file("/m/a.ply");
+  EXPECT_EQ(editor::in_file(numbered.at(other), "/m/e.json").location(), other);
 }
 
 TEST(Protocol, IsSpokenAsItsSchemaSays) {

@@ -129,7 +129,7 @@ TEST(GltfErrors, NameThePlaceInTheJson) {
     const auto path = folder.file("bird.glb", b.glb());
     const Error error = expect_error([&] { read_mesh(path); }, bad.id, bad.words);
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_NE(error.location().find("bird.glb"), std::string::npos) << error.location();
+    EXPECT_NE(error.location().text().find("bird.glb"), std::string::npos) << error.location().text();
   }
 }
 

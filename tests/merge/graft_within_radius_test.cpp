@@ -154,7 +154,7 @@ TEST(GraftWithinRadius, RefusesFixedVerticesThatAreAllOnLoops) {
         ADD_FAILURE() << scene.mesh.name;
       } catch (const Error& error) {
         EXPECT_EQ(error.id(), "merge.fixed_all_on_loops");
-        EXPECT_EQ(error.location(), "fixed");
+        EXPECT_EQ(error.location().text(), "fixed");
         EXPECT_EQ(error.code(), ErrorCode::input);
       }
     }

@@ -59,7 +59,7 @@ inline LoopPair numbered(int source, int target) {
   return pair;
 }
 
-inline PairGeometry numbered_pair(LoopGeometry source, LoopGeometry target, std::string location = "") {
+inline PairGeometry numbered_pair(LoopGeometry source, LoopGeometry target, Location location = {}) {
   LoopPair loops = numbered(static_cast<int>(source.points.rows()), static_cast<int>(target.points.rows()));
   return {std::move(loops), std::move(source), std::move(target), std::move(location)};
 }

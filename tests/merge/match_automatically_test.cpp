@@ -20,7 +20,7 @@ Correspondence alone(const PairGeometry& pair) { return match_automatically({&pa
 /// Returns the same loop as source and target. The target runs the other way and begins elsewhere, so that
 /// source vertex i meets target vertex n - 1 - i - shift.
 PairGeometry planted_pair(const LoopGeometry& loop, Index shift) {
-  return test::numbered_pair(loop, test::shifted_loop(test::reversed_loop(loop), shift), "pair 3");
+  return test::numbered_pair(loop, test::shifted_loop(test::reversed_loop(loop), shift), Location::pair(3));
 }
 
 std::vector<LoopGeometry> loops_with_features() {
@@ -99,7 +99,7 @@ TEST(MatchAutomatically, RefusesLoopsThatFitFromOtherStarts) {
     } catch (const Error& error) {
       EXPECT_EQ(error.id(), "merge.open_start");
       EXPECT_EQ(error.code(), ErrorCode::input);
-      EXPECT_EQ(error.location(), "pair 3");
+      EXPECT_EQ(error.location().text(), "pair 3");
       const std::vector<OpenStart> starts = open_starts(error.fact());
       ASSERT_EQ(starts.size(), 1U);
       EXPECT_EQ(starts[0].pair, 0U);
@@ -138,7 +138,7 @@ std::vector<PairGeometry> round_pairs(int count) {
   for (int p = 0; p < count; ++p) {
     const Eigen::RowVector3d centre(4 * std::cos(2.0 * p), 4 * std::sin(2.0 * p), p);
     pairs.push_back(test::numbered_pair(test::bumpy_loop(40, 0.1 * p, false, 0),
-                                        test::bumpy_loop(56, 0.2, true, 0), "pair " + std::to_string(p)));
+                                        test::bumpy_loop(56, 0.2, true, 0), Location::pair(p)));
     pairs.back().source.points.rowwise() += centre;
     pairs.back().target.points.rowwise() += centre;
   }

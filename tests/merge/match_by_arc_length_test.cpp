@@ -33,10 +33,11 @@ std::vector<MatchedPair> matched_pairs() {
   for (std::size_t c = 0; c < curves.size(); ++c)
     for (const int count : {1, 2, 3, 5}) {
       const test::ClosedCurve &from = curves[c], &to = curves[(c + 4) % curves.size()];
-      MatchedPair matched{from.name + " on " + to.name + ", " + std::to_string(count) + " matches",
-                          test::numbered_pair(test::loop_of_curve(from.points),
-                                              test::reversed_loop(test::loop_of_curve(to.points)), "pair 7"),
-                          {}};
+      MatchedPair matched{
+          from.name + " on " + to.name + ", " + std::to_string(count) + " matches",
+          test::numbered_pair(test::loop_of_curve(from.points),
+                              test::reversed_loop(test::loop_of_curve(to.points)), Location::pair(7)),
+          {}};
       const Index n = from.size(), t = to.size();
       for (int m = 0; m < count; ++m)
         matched.matches.push_back(

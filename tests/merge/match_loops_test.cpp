@@ -32,7 +32,7 @@ PairsOfParts pairs_of_parts(const std::string& letters, const std::vector<Index>
   for (std::size_t p = 0; p < letters.size(); ++p) {
     const double bump = letters[p] == 'b' ? 0.4 : 0;
     PairGeometry pair = test::numbered_pair(test::bumpy_loop(40, 0.1, false, bump),
-                                            test::bumpy_loop(56, 0.4, true, bump), "pair " + std::to_string(p));
+                                            test::bumpy_loop(56, 0.4, true, bump), Location::pair(p));
     const Eigen::RowVector3d centre(5.0 * static_cast<double>(p), 0, 0);
     pair.source.points.rowwise() += centre;
     pair.target.points.rowwise() += centre;
@@ -150,7 +150,7 @@ TEST(PairGeometryOfMeshes, HasPointsNormalsAndNames) {
       const std::vector<PairGeometry> geometry = pair_geometry(target, source, loops, smooth);
       ASSERT_EQ(geometry.size(), loops.size());
       for (std::size_t k = 0; k < loops.size(); ++k) {
-        EXPECT_EQ(geometry[k].location, p == 0 ? "" : "pair " + std::to_string(k));
+        EXPECT_EQ(geometry[k].location, p == 0 ? Location() : Location::pair(k));
         EXPECT_EQ(geometry[k].loops.source, loops[k].source);
         EXPECT_EQ(geometry[k].loops.target, loops[k].target);
         for (const bool is_source : {true, false}) {

@@ -156,7 +156,7 @@ TEST(MergeErrors, ListTheOpenStartsOfAllComponents) {
       "tubes", two, two, {{{second(loops.at(0)), second(loops.at(1))}, {}}, {{loops.at(0), loops.at(1)}, {}}}};
   ASSERT_EQ(cause_of(graft), "merge.open_start");
   const Error refusal = *refusal_of(graft);
-  EXPECT_EQ(refusal.location(), "pair 0");
+  EXPECT_EQ(refusal.location().text(), "pair 0");
   const std::vector<OpenStart> starts = open_starts(refusal.fact());
   ASSERT_EQ(starts.size(), 2U);
   for (std::size_t p = 0; p < 2; ++p) {
@@ -211,7 +211,7 @@ TEST(Merge, RefusesSizesAMillionTimesOff) {
       merge_meshes(target, source, {{pair}}, {.size = size});
       ADD_FAILURE() << size << " was accepted";
     } catch (const Error& error) {
-      EXPECT_EQ(error.location(), "size");
+      EXPECT_EQ(error.location().text(), "size");
       EXPECT_EQ(error.id(), size < 1 ? "merge.size_makes_source_tiny" : "merge.size_makes_source_huge");
       EXPECT_EQ(error.fact().get<double>("size"), size);
     }

@@ -155,7 +155,7 @@ TEST(RingRemoval, RefusesARingThatIsNoAnnulus) {
     EXPECT_EQ(topology.boundary_loops, 1);
     EXPECT_GT(result.halvings[0], 0);
   } catch (const Error& error) {
-    EXPECT_EQ(error.location(), "pair 3");
+    EXPECT_EQ(error.location().text(), "pair 3");
   }
   EXPECT_THROW(remove_rings(shapes::bow_tie(), std::vector<RingRequest>{{{0, 2, 1}, any_length, "pair"}}, {}),
                Error);

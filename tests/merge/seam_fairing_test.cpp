@@ -122,8 +122,8 @@ TEST(SeamFairing, NamesAVertexThatIsNotFinite) {
     ADD_FAILURE() << "nothing was thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.id(), "merge.seam_vertex_not_finite");
-    EXPECT_NE(error.location().find(std::to_string(scene.layout.target_vertices)), std::string::npos)
-        << error.location();
+    EXPECT_NE(error.location().text().find(std::to_string(scene.layout.target_vertices)), std::string::npos)
+        << error.location().text();
   }
 }
 

@@ -70,7 +70,7 @@ TEST(ValidateOptions, RefusesEachBrokenRuleAtItsOption) {
       ADD_FAILURE() << refused.id << " was not thrown";
     } catch (const Error& error) {
       EXPECT_EQ(error.id(), refused.id);
-      EXPECT_EQ(error.location(), refused.location) << refused.id;
+      EXPECT_EQ(error.location().text(), refused.location) << refused.id;
       EXPECT_EQ(error.code(), ErrorCode::input) << refused.id;
     }
   }
@@ -103,7 +103,7 @@ TEST(ValidateOptions, BoundsTheSizeByThatOfTheTarget) {
           ADD_FAILURE() << factor << " was accepted";
         } catch (const Error& error) {
           EXPECT_EQ(error.id(), factor < 1 ? "merge.size_makes_source_tiny" : "merge.size_makes_source_huge");
-          EXPECT_EQ(error.location(), "size");
+          EXPECT_EQ(error.location().text(), "size");
           EXPECT_EQ(error.fact().get<double>("size"), factor * same);
           EXPECT_NEAR(error.fact().get<double>("same_size"), same, 1e-12 * same);
         }

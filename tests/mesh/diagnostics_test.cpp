@@ -176,7 +176,7 @@ TEST(RequireUsable, RefusesOnlyWithinReach) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_EQ(error.location(), "model.ply");
+    EXPECT_EQ(error.location().text(), "model.ply");
     EXPECT_EQ(error.id(), "mesh.non_finite_within_reach");
     EXPECT_EQ(error.problem(),
               "1 vertex has a coordinate that is not a finite number (first within reach: vertex 3)");

@@ -281,7 +281,7 @@ TEST(VertexTriangles, NameATriangleWithAnIndexOutOfRange) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
     EXPECT_EQ(error.id(), "core.no_such_vertex");
-    EXPECT_EQ(error.location(), "triangle 1");
+    EXPECT_EQ(error.location().text(), "triangle 1");
   }
 }
 

@@ -178,7 +178,7 @@ TEST(Triangulate, NamesTheFaceWithAnIndexOutOfRange) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::input);
-    EXPECT_EQ(error.location(), "face 1");
+    EXPECT_EQ(error.location().text(), "face 1");
     EXPECT_EQ(error.id(), "mesh.face_index_out_of_range");
     EXPECT_EQ(error.fact().get<std::int64_t>("vertex"), 7);
   }

@@ -190,7 +190,7 @@ TEST(Options, OutOfRangeAreNamed) {
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       EXPECT_EQ(error.id(), "core.out_of_range");
-      EXPECT_EQ(error.location(), field);
+      EXPECT_EQ(error.location().text(), field);
     }
   }
 }

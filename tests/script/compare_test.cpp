@@ -79,7 +79,7 @@ TEST(Compare, AMethodThatFailsIsARow) {
   EXPECT_FALSE(comparison.outcomes[1].result);
   EXPECT_FALSE(comparison.outcomes[0].failure);
   const Error failure = comparison.outcomes[1].failure.value();
-  EXPECT_EQ(failure.location(), "edit.json: steps[0]: anchors");
+  EXPECT_EQ(failure.location().text(), "edit.json: steps[0].anchors");
   EXPECT_EQ(failure.id(), "script.no_anchors");
   EXPECT_EQ(failure.fact().get<std::string>("method"), "lipman-2004");
   const std::string table = comparison_table(comparison);
@@ -88,7 +88,7 @@ TEST(Compare, AMethodThatFailsIsARow) {
   EXPECT_TRUE(json["methods"][0]["failure"].is_null());
   EXPECT_EQ(json["methods"][1]["failure"], (nlohmann::json{{"id", "script.no_anchors"},
                                                            {"code", "input"},
-                                                           {"location", failure.location()},
+                                                           {"location", failure.location().text()},
                                                            {"fields", {{"method", "lipman-2004"}}},
                                                            {"problem", failure.problem()},
                                                            {"remedy", failure.remedy()},

@@ -132,7 +132,7 @@ TEST(EditFile, NamesTheFieldThatIsWrong) {
   const std::vector<Refusal> refusals = {
       {"", "line 1, column 1: is not valid JSON"},
       {"{\"format\": \"meshgraft-edit\",\n \"version\": 2,,}",
-       "edit.json: line 2, column 15: is not valid JSON"},
+       "edit.json, line 2, column 15: is not valid JSON"},
       {"[]", "edit.json: is not an edit file"},
       {R"({"format": "meshgraft-edit", "version": 3})", "version: version 3 is not known"},
       {R"({"format": "meshgraft-edit", "version": "2"})", "version: expected an integer, found a string"},
@@ -226,7 +226,7 @@ Error error_of(const std::string& text) {
 TEST(EditFile, SaysInFieldsWhatItExpectedAndFound) {
   const Error type = error_of(file_with_step(R"("region": 3)"));
   EXPECT_EQ(type.id(), "script.wrong_type");
-  EXPECT_EQ(type.location(), "edit.json: steps[0].region");
+  EXPECT_EQ(type.location().text(), "edit.json: steps[0].region");
   EXPECT_EQ(type.fact().get<std::string>("expected"), "object");
   EXPECT_EQ(type.fact().get<std::string>("found"), "number");
 

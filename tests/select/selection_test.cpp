@@ -48,7 +48,7 @@ class OnGrid : public testing::Test {
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       EXPECT_EQ(error.id(), id);
-      EXPECT_EQ(error.location(), place);
+      EXPECT_EQ(error.location().text(), place);
       EXPECT_NE(error.problem().find(part_of_problem), std::string::npos) << error.problem();
     }
   }

@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include <meshgraft/core/location.h>
+
 namespace meshgraft {
 
 enum class ErrorCode;
@@ -121,24 +123,24 @@ std::string_view to_string(ErrorCode code) noexcept;
 /// `what()` is "location: problem. remedy", in the terms of the library.
 class Error : public std::exception {
  public:
-  /// `fact` is of a type with a code. `location` is a file, line, field or element, or empty.
-  Error(Fact fact, std::string location = {});
+  /// `fact` is of a type with a code.
+  Error(Fact fact, Location location = {});
 
   const char* what() const noexcept override;
   ErrorCode code() const noexcept;
   const Fact& fact() const noexcept;
   /// Returns the id of the fact, e.g. "merge.open_start".
   std::string_view id() const noexcept { return fact().id(); }
-  const std::string& location() const noexcept;
+  const Location& location() const noexcept;
   /// Notes that explain the error. `what()` ends with them.
   std::span<const Note> notes() const noexcept;
   std::string problem() const { return fact().text(); }
   std::string remedy() const { return fact().remedy(); }
 
   /// Returns the same error at another location.
-  Error at(std::string location) const;
-  /// Returns the same error with `outer` put before its location: "outer: inner location".
-  Error within(std::string_view outer) const;
+  Error at(Location location) const;
+  /// Returns the same error with `outer` put before its location.
+  Error within(const Location& outer) const;
   /// Returns the same error with one more note.
   Error with(Note note) const;
 

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -124,7 +125,6 @@ class Selection {
 /// loop that does not exist (core.no_such_vertex, select.no_such_component, select.no_such_loop), a malformed
 /// shape, or points of a path that are not connected (select.no_way_along_edges). The error's location is
 /// `location` (a field of the edit file) with the field inside it.
-std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context,
-                           const std::string& location);
+std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context, const Location& location);
 
 }  // namespace meshgraft

@@ -72,8 +72,7 @@ void validate(std::span<const HandlePose> poses, std::span<const Handle> handles
   if (poses.size() != handles.size())
     throw Error(facts::core::SizeMismatch{
         .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
-  for (std::size_t h = 0; h < poses.size(); ++h)
-    validate(poses[h], fmt::format("handle '{}'", handles[h].name));
+  for (std::size_t h = 0; h < poses.size(); ++h) validate(poses[h], Location::handle(handles[h].name));
 }
 
 void validate(const LiveOptions& options) {

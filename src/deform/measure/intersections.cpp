@@ -67,7 +67,7 @@ void require_vertices(const Triangles& triangles, Eigen::Index vertex_count) {
     for (const Index v : triangles.row(t))
       if (v < 0 || v >= vertex_count)
         throw Error(facts::core::NoSuchVertex{.vertex = v, .count = vertex_count},
-                    "triangle " + std::to_string(t));
+                    Location::place("triangle " + std::to_string(t)));
 }
 
 // The slab between two parallel planes that contains some triangles. The boxes of sheets that lie close

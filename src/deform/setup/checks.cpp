@@ -12,7 +12,7 @@
 
 namespace meshgraft {
 
-void require_vertex(Index vertex, Index count, const std::string& location) {
+void require_vertex(Index vertex, Index count, const Location& location) {
   if (vertex < 0 || vertex >= count)
     throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = count}, location);
 }
@@ -21,7 +21,7 @@ void require_triangles(const Points& rest, const Triangles& triangles) {
   const auto n = static_cast<Index>(rest.rows());
   for (Index t = 0; t < triangles.rows(); ++t)
     for (const Index v : triangles.row(t))
-      if (v < 0 || v >= n) require_vertex(v, n, fmt::format("triangle {}", t));
+      if (v < 0 || v >= n) require_vertex(v, n, Location::place(fmt::format("triangle {}", t)));
 }
 
 void validate(const DeformerOptions& options) {
@@ -34,12 +34,12 @@ void validate(const VertexConstraint& constraint) {
   if (constraint.rotation &&
       !(std::isfinite(constraint.rotation->angle()) && constraint.rotation->axis().allFinite()))
     throw Error(facts::core::NotFinite{.what = facts::core::Quantity::rotation},
-                fmt::format("the constraint of vertex {}", constraint.vertex));
+                Location::place(fmt::format("the constraint of vertex {}", constraint.vertex)));
   const auto require = [&](const auto& matrix, facts::deform::Quantity what) {
     constexpr double largest = 1e100;  // so that squares and volumes stay finite
     if (matrix && !(matrix->array().abs() < largest).all())
       throw Error(facts::deform::TooLargeOrNotFinite{.what = what},
-                  fmt::format("the constraint of vertex {}", constraint.vertex));
+                  Location::place(fmt::format("the constraint of vertex {}", constraint.vertex)));
   };
   require(constraint.position, facts::deform::Quantity::position);
   require(constraint.transform, facts::deform::Quantity::transform);

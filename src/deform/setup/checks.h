@@ -2,13 +2,14 @@
 
 #include <string>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
 
 /// Throws Error(input) with the id core.no_such_vertex at `location` unless 0 ≤ vertex < count.
-void require_vertex(Index vertex, Index count, const std::string& location);
+void require_vertex(Index vertex, Index count, const Location& location);
 
 /// Throws Error(input) if a corner of a triangle is not a row of `rest`.
 void require_triangles(const Points& rest, const Triangles& triangles);

@@ -40,7 +40,7 @@ void require_disjoint(const Region& region, Index count) {
   }
   for (std::size_t h = 0; h < region.handles.size(); ++h) {
     const Handle& handle = region.handles[h];
-    const std::string location = fmt::format("handle '{}'", handle.name);
+    const Location location = Location::handle(handle.name);
     if (handle.vertices.empty()) throw Error(facts::deform::NoVertices{}, location);
     if (!handle.constrain_position && !handle.constrain_transform)
       throw Error(facts::deform::HandleConstrainsNothing{}, location);
@@ -72,7 +72,7 @@ void add_constraints(std::span<const VertexConstraint> constraints, ConstraintMa
   Flags seen(mask.position.size(), 0);
   for (std::size_t c = 0; c < constraints.size(); ++c) {
     const VertexConstraint& constraint = constraints[c];
-    const std::string location = fmt::format("constraint {}", c);
+    const Location location = Location("constraints")[c];
     require_vertex(constraint.vertex, mask.size(), location);
     if (seen[constraint.vertex]++)
       throw Error(facts::deform::VertexNamedTwice{.vertex = constraint.vertex}, location);
@@ -86,15 +86,15 @@ void add_constraints(std::span<const VertexConstraint> constraints, ConstraintMa
 /// Throws Error(input) if a feature is empty, or if its vertices belong to another feature or a constraint.
 void add_features(std::span<const Feature> features, ConstraintMask& mask) {
   for (std::size_t f = 0; f < features.size(); ++f) {
-    if (features[f].vertices.empty()) throw Error(facts::deform::NoVertices{}, fmt::format("feature {}", f));
+    const Location location = Location("features")[f];
+    if (features[f].vertices.empty()) throw Error(facts::deform::NoVertices{}, location);
     if (features[f].scale && !(*features[f].scale > 0 && *features[f].scale < 1e100))
-      throw Error(facts::core::NotPositive{.value = *features[f].scale}, fmt::format("feature {}, scale", f));
+      throw Error(facts::core::NotPositive{.value = *features[f].scale}, location / "scale");
     for (Index v : features[f].vertices) {
-      require_vertex(v, mask.size(), fmt::format("feature {}", f));
-      if (mask.feature[v] >= 0)
-        throw Error(facts::deform::VertexInTwoFeatures{.vertex = v}, fmt::format("feature {}", f));
+      require_vertex(v, mask.size(), location);
+      if (mask.feature[v] >= 0) throw Error(facts::deform::VertexInTwoFeatures{.vertex = v}, location);
       if (mask.position[v] || mask.transform[v])
-        throw Error(facts::deform::FeatureVertexHeld{.vertex = v}, fmt::format("feature {}", f));
+        throw Error(facts::deform::FeatureVertexHeld{.vertex = v}, location);
       mask.feature[v] = static_cast<Index>(f);
     }
   }
@@ -104,13 +104,12 @@ void add_features(std::span<const Feature> features, ConstraintMask& mask) {
 void add_anchors(std::span<const Anchor> anchors, ConstraintMask& mask) {
   for (std::size_t a = 0; a < anchors.size(); ++a) {
     const Anchor& anchor = anchors[a];
-    require_vertex(anchor.vertex, mask.size(), fmt::format("anchor {}", a));
+    const Location location = Location("anchors")[a];
+    require_vertex(anchor.vertex, mask.size(), location);
     if (!(anchor.weight > 0) || !std::isfinite(anchor.weight))
-      throw Error(facts::core::NotPositive{.value = anchor.weight},
-                  fmt::format("anchor {} (vertex {}), weight", a, anchor.vertex));
+      throw Error(facts::core::NotPositive{.value = anchor.weight}, location / "weight");
     if (anchor.target && !anchor.target->allFinite())
-      throw Error(facts::core::NotFinite{.what = facts::core::Quantity::target},
-                  fmt::format("anchor {} (vertex {})", a, anchor.vertex));
+      throw Error(facts::core::NotFinite{.what = facts::core::Quantity::target}, location);
     mask.anchored[anchor.vertex] = 1;
   }
 }

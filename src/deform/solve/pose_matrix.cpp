@@ -34,7 +34,7 @@ ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std:
   return values;
 }
 
-void validate(const HandlePose& pose, const std::string& location) {
+void validate(const HandlePose& pose, const Location& location) {
   constexpr double largest = 1e100;  // so that squares and volumes stay finite
   if (!(pose.transform.affine().array().abs() < largest).all())
     throw Error(facts::deform::TooLargeOrNotFinite{.what = facts::deform::Quantity::transform}, location);
@@ -49,7 +49,7 @@ void require_affine_poses(std::span<const Handle> handles, std::span<const Handl
     throw Error(facts::core::SizeMismatch{
         .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
   for (std::size_t h = 0; h < poses.size(); ++h) {
-    const std::string location = fmt::format("handle '{}'", handles[h].name);
+    const Location location = Location::handle(handles[h].name);
     if (poses[h].curve) throw Error(facts::deform::CurveNotAffine{}, location);
     validate(poses[h], location);
   }

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include <meshgraft/core/location.h>
 #include <meshgraft/deform/deform_problem.h>
 
 #include "constrained_system.h"
@@ -20,7 +21,7 @@ PoseMatrix pose_matrix(const HandlePose& pose, const Eigen::RowVector3d& centre,
 ConstrainedSystem::Known unit_frame_values(const ConstrainedSystem& system, std::span<const Handle> handles);
 
 /// Throws Error(input) at `location` if a number is not finite or too large to compute with.
-void validate(const HandlePose& pose, const std::string& location);
+void validate(const HandlePose& pose, const Location& location);
 
 /// Throws Error(usage) if the numbers of poses and handles differ. Throws Error(input) if a curve was
 /// redrawn, since its vertices then move independently. Throws Error(input) for a number that is not finite

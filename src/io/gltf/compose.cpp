@@ -198,7 +198,7 @@ class GltfComposer {
       for (int axis = 0; axis < 3; ++axis) {
         const double x = mesh_.positions(v, axis);
         if (!std::isfinite(static_cast<float>(x)))
-          throw Error(facts::gltf::CoordinateBeyondFloats{}, fmt::format("vertex {}", v));
+          throw Error(facts::gltf::CoordinateBeyondFloats{}, Location::place(fmt::format("vertex {}", v)));
         append_float(bytes, x);
       }
     }

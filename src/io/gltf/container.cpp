@@ -40,7 +40,7 @@ void append_u32(std::string& out, std::size_t value) {
 }
 
 [[noreturn]] void fail_at(const Fact& fact, const std::string& file, std::size_t byte) {
-  throw Error(fact, fmt::format("{}, byte {}", file, byte));
+  throw Error(fact, Location::file(file) / Location::place(fmt::format("byte {}", byte)));
 }
 
 std::size_t padding(std::size_t size) { return (4 - size % 4) % 4; }
@@ -72,10 +72,10 @@ std::string read_beside(const fs::path& path, const JsonView& location) {
   try {
     std::error_code missing;
     if (fs::exists(path, missing) && !fs::is_regular_file(path, missing))
-      throw Error(facts::gltf::BufferNotAFile{}, path.string());
+      throw Error(facts::gltf::BufferNotAFile{}, path);
     return read_file(path);
   } catch (const Error& error) {
-    throw error.within(location.file() + ": " + location.location());
+    throw error.within(Location::file(location.file()) / Location::field(location.path()));
   }
 }
 
@@ -121,7 +121,7 @@ GlbLayout parse_glb(std::string_view content, const std::string& file) {
     fail_at(facts::io::TruncatedHeader{.format = "GLB", .needed = least, .size = content.size()}, file,
             content.size());
   if (const std::uint32_t version = load_u32(content, 4); version != 2)
-    throw Error(facts::gltf::UnknownVersion{.version = std::to_string(version)}, file);
+    throw Error(facts::gltf::UnknownVersion{.version = std::to_string(version)}, Location::file(file));
   if (const std::uint32_t length = load_u32(content, 8); length != content.size())
     wrong_length(facts::gltf::Block::file, length, content.size(), 8);
   GlbLayout layout;

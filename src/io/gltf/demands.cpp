@@ -57,7 +57,8 @@ class DemandCollector {
       }
     }
     if (instance.placement.flattens() && !all_met(demands)) {
-      const std::string location = instance.node ? fmt::format("{}: nodes[{}]", name_, *instance.node) : name_;
+      const Location file = Location::file(name_);
+      const Location location = instance.node ? (file / "nodes")[*instance.node] : file;
       throw Error(facts::gltf::NodeFlattens{}, location);
     }
     return demands;

@@ -33,7 +33,8 @@ void require_shallow(std::string_view text, const std::string& file) {
       in_string = true;
     } else if (c == '{' || c == '[') {
       if (++depth > deepest_nesting)
-        throw Error(facts::gltf::JsonTooDeep{.deepest = deepest_nesting}, file + ", " + line_name(text, i));
+        throw Error(facts::gltf::JsonTooDeep{.deepest = deepest_nesting},
+                    Location::file(file) / Location::place(line_name(text, i)));
     } else if ((c == '}' || c == ']') && depth > 0) {
       --depth;
     }
@@ -204,11 +205,11 @@ Json parse_gltf_json(std::string_view text, const std::string& file) {
     json = Json::parse(text);
   } catch (const Json::parse_error& error) {
     const std::size_t byte = std::min(text.size(), error.byte > 0 ? error.byte - 1 : 0);
-    throw Error(facts::gltf::JsonMalformed{}, file + ", " + line_name(text, byte));
+    throw Error(facts::gltf::JsonMalformed{}, Location::file(file) / Location::place(line_name(text, byte)));
   } catch (const Json::exception&) {
-    throw Error(facts::gltf::JsonNumberTooLarge{}, file);
+    throw Error(facts::gltf::JsonNumberTooLarge{}, Location::file(file));
   }
-  if (!json.is_object()) throw Error(facts::gltf::JsonNotAnObject{}, file);
+  if (!json.is_object()) throw Error(facts::gltf::JsonNotAnObject{}, Location::file(file));
   return json;
 }
 
@@ -220,7 +221,7 @@ std::optional<JsonView> JsonView::find(const std::string& key) const {
   if (!json_->is_object()) fail(facts::gltf::WrongType{.needed = facts::gltf::Type::object});
   const auto member = json_->find(key);
   if (member == json_->end()) return std::nullopt;
-  return JsonView(*member, location_.empty() ? key : location_ + "." + key, *file_);
+  return JsonView(*member, path_.empty() ? key : path_ + "." + key, *file_);
 }
 
 JsonView JsonView::at(const std::string& key) const {
@@ -232,7 +233,7 @@ JsonView JsonView::at(const std::string& key) const {
 JsonView JsonView::at(std::size_t element) const {
   if (element >= size())
     fail(facts::gltf::IndexOutOfRange{.index = element, .count = size(), .array = "elements"});
-  return JsonView((*json_)[element], fmt::format("{}[{}]", location_, element), *file_);
+  return JsonView((*json_)[element], fmt::format("{}[{}]", path_, element), *file_);
 }
 
 std::size_t JsonView::count(const std::string& key) const {
@@ -281,7 +282,8 @@ std::size_t JsonView::index(std::size_t count, std::string_view what) const {
 }
 
 void JsonView::fail(const Fact& fact) const {
-  throw Error(fact, location_.empty() ? *file_ : *file_ + ": " + location_);
+  const Location file = Location::file(*file_);
+  throw Error(fact, path_.empty() ? file : file / Location::field(path_));
 }
 
 }  // namespace meshgraft::io

@@ -27,11 +27,11 @@ std::string patch_json_text(std::string_view text, const Json& before, const Jso
 /// The member functions throw Error(input) if the value is missing or has another type than requested.
 class JsonView {
  public:
-  JsonView(const Json& json, std::string location, const std::string& file)
-      : json_(&json), location_(std::move(location)), file_(&file) {}
+  JsonView(const Json& json, std::string path, const std::string& file)
+      : json_(&json), path_(std::move(path)), file_(&file) {}
 
   const Json& json() const { return *json_; }
-  const std::string& location() const { return location_; }
+  const std::string& path() const { return path_; }
   const std::string& file() const { return *file_; }
 
   std::optional<JsonView> find(const std::string& key) const;
@@ -56,7 +56,7 @@ class JsonView {
 
  private:
   const Json* json_;
-  std::string location_;
+  std::string path_;
   const std::string* file_;
 };
 

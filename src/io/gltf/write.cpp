@@ -233,7 +233,7 @@ Written write_gltf(const Mesh& mesh, const std::filesystem::path& path, const Wr
     return edit.finish(path);
   } catch (const Json::exception&) {
     // The reader ignores animations, skins and images, so they may have any type.
-    throw Error(facts::gltf::MemberOfAnotherType{}, document->name());
+    throw Error(facts::gltf::MemberOfAnotherType{}, document->path);
   }
 }
 

@@ -111,7 +111,7 @@ class ObjReader {
       read_line(cursor);
     }
     check_forward_references();
-    if (vertices_.empty()) throw Error(facts::io::NoVertices{.element = "v"}, name_);
+    if (vertices_.empty()) throw Error(facts::io::NoVertices{.element = "v"}, Location::file(name_));
     fill_mesh();
     return std::move(mesh_);
   }
@@ -312,7 +312,7 @@ class ObjReader {
 
   [[noreturn]] void fail_index(std::size_t offset, Reference kind, std::int64_t index,
                                std::int64_t count) const {
-    const std::string location = name_ + ", " + line_name(document_->content, offset);
+    const Location location = Location::file(name_) / Location::place(line_name(document_->content, offset));
     const std::string_view element = keyword_of(kind);
     if (index == 0) throw Error(facts::io::IndexZero{}, location);
     if (index < 0)
@@ -321,7 +321,8 @@ class ObjReader {
   }
 
   [[noreturn]] void fail(const ObjCursor& cursor, Fact fact) const {
-    throw Error(std::move(fact), name_ + ", " + line_name(document_->content, cursor.line_begin()));
+    throw Error(std::move(fact),
+                Location::file(name_) / Location::place(line_name(document_->content, cursor.line_begin())));
   }
 
   const std::string& name_;

@@ -27,7 +27,7 @@ double PlyBinaryCursor::scalar(const PlyProperty&, ScalarType type) {
 void PlyBinaryCursor::fail(Fact fact) const {
   const std::string location =
       element_->name + " " + std::to_string(row_) + " (byte " + std::to_string(offset_) + ")";
-  throw Error(std::move(fact), name_ + ", " + location);
+  throw Error(std::move(fact), Location::file(name_) / Location::place(location));
 }
 
 }  // namespace meshgraft::io

@@ -178,13 +178,14 @@ class HeaderParser {
       if (record == 0) continue;
       const std::size_t available = header_.encoding == PlyEncoding::ascii ? left + 1 : left;
       if (element.count > available / record)
-        throw Error(facts::io::TooShort{.element = element.name, .count = element.count}, name_);
+        throw Error(facts::io::TooShort{.element = element.name, .count = element.count},
+                    Location::file(name_));
       left -= std::min<std::size_t>(left, element.count * record);
     }
   }
 
   [[noreturn]] void fail(Fact fact) const {
-    throw Error(std::move(fact), name_ + ", " + line_name(content_, line_begin_));
+    throw Error(std::move(fact), Location::file(name_) / Location::place(line_name(content_, line_begin_)));
   }
   [[noreturn]] void fail_word(std::string_view word, std::initializer_list<std::string_view> expected) const {
     fail(facts::io::UnexpectedWord{.word = shown(word), .expected = expected});
@@ -224,7 +225,8 @@ std::size_t PlyElement::smallest_binary_size() const {
 
 PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
   if (!has_ply_signature(content))
-    throw Error(facts::io::NotThisFormat{.format = "PLY", .beginning = "ply"}, name + ", line 1");
+    throw Error(facts::io::NotThisFormat{.format = "PLY", .beginning = "ply"},
+                Location::file(name) / Location::place("line 1"));
   return HeaderParser(content, name).parse();
 }
 
@@ -240,7 +242,7 @@ void PlyTextCursor::begin_record(const PlyElement& element, std::uint64_t row) {
   // An element without properties has no values on a line.
   if (!element.properties.empty() && at_end())
     throw Error(facts::io::TruncatedRecords{.element = element.name, .read = row, .count = element.count},
-                name_ + ", " + line_name(content_, content_.size()));
+                Location::file(name_) / Location::place(line_name(content_, content_.size())));
 }
 
 double PlyTextCursor::scalar(const PlyProperty& property, ScalarType type) {
@@ -264,7 +266,7 @@ void PlyTextCursor::end_record() {
 }
 
 void PlyTextCursor::fail(Fact fact) const {
-  throw Error(std::move(fact), name_ + ", " + line_name(content_, offset_));
+  throw Error(std::move(fact), Location::file(name_) / Location::place(line_name(content_, offset_)));
 }
 
 }  // namespace meshgraft::io

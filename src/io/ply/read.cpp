@@ -100,10 +100,11 @@ class PlyReader {
   void require_vertices() const {
     const std::vector<PlyElement>& elements = document_->header.elements;
     const auto vertices = std::ranges::find(elements, "vertex", &PlyElement::name);
-    if (vertices == elements.end()) throw Error(facts::io::NoVertices{.element = "vertex"}, name_);
+    if (vertices == elements.end())
+      throw Error(facts::io::NoVertices{.element = "vertex"}, Location::file(name_));
     for (const std::string_view axis : {"x", "y", "z"}) {
       if (!find_property(*vertices, axis, false))
-        throw Error(facts::io::MissingProperty{.element = "vertex", .property = axis}, name_);
+        throw Error(facts::io::MissingProperty{.element = "vertex", .property = axis}, Location::file(name_));
     }
   }
 
@@ -177,7 +178,8 @@ class PlyReader {
     std::size_t begin = 0;
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (values[k] > std::numeric_limits<Index>::max())
-        throw Error(facts::io::IndexTooLarge{.index = static_cast<std::int64_t>(values[k])}, name_);
+        throw Error(facts::io::IndexTooLarge{.index = static_cast<std::int64_t>(values[k])},
+                    Location::file(name_));
       if (values[k] < 0) begin = k + 1;
       if (values[k] < 0 || k < begin + 2) continue;
       std::array<Index, 3> face;
@@ -188,7 +190,7 @@ class PlyReader {
       if (mesh_.faces.corner_count() > std::numeric_limits<Index>::max() - 3)
         throw Error(facts::io::TooMany{.elements = facts::io::Elements::corners,
                                        .most = std::numeric_limits<Index>::max()},
-                    name_);
+                    Location::file(name_));
       mesh_.faces.push_back(face);
     }
   }
@@ -201,10 +203,11 @@ class PlyReader {
       throw Error(
           facts::io::NonIntegerType{
               .element = element.name, .list = list_name, .part = facts::io::ListPart::values},
-          name_);
+          Location::file(name_));
     }
     if (element.count == 0) return std::nullopt;
-    throw Error(facts::io::MissingProperty{.element = element.name, .property = "vertex_indices"}, name_);
+    throw Error(facts::io::MissingProperty{.element = element.name, .property = "vertex_indices"},
+                Location::file(name_));
   }
 
   /// Binds every scalar property that the mesh can hold to an attribute: known groups first, then each of the
@@ -326,7 +329,7 @@ class PlyReader {
                                      ? line_name(content, rest)
                                      : "byte " + std::to_string(rest);
     throw Error(facts::io::TrailingData{.element = document_->header.elements.back().name},
-                name_ + ", " + location);
+                Location::file(name_) / Location::place(location));
   }
 
   /// Restores label names from comments "label NAME VALUE TEXT", which are written for meshes with named

@@ -42,7 +42,8 @@ class RecordReader {
     const std::size_t count = element.count;
     if (record != 0 && count > (document_.content.size() - offset) / record) {
       const std::size_t read = (document_.content.size() - offset) / record;
-      throw Error(facts::io::TruncatedRecords{.element = element.name, .read = read, .count = count}, name_);
+      throw Error(facts::io::TruncatedRecords{.element = element.name, .read = read, .count = count},
+                  Location::file(name_));
     }
     const bool swap = needs_swap(document_.header.encoding);
     const char* const records = document_.content.data() + offset;

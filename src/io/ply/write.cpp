@@ -51,7 +51,7 @@ std::optional<double> replacement(double old, double value, const PlyElement& el
   if (rounded.fault != NumberFault::none)
     throw Error(
         facts::io::ValueDoesNotFit{.property = property.name, .type = type_name(property.type), .value = value},
-        element.name + " " + std::to_string(row));
+        Location::place(element.name + " " + std::to_string(row)));
   if (same_value(old, rounded.value)) return std::nullopt;
   return rounded.value;
 }
@@ -356,7 +356,7 @@ class PlyComposer {
       throw Error(
           facts::io::ValueDoesNotFit{
               .property = property.name, .type = type_name(property.type), .value = value},
-          std::string(element) + " " + std::to_string(row));
+          Location::place(std::string(element) + " " + std::to_string(row)));
     put_scalar(rounded.value, property.type);
   }
 

@@ -169,22 +169,23 @@ class StlReader {
   [[noreturn]] void fail_size() const {
     const std::string_view content = document_->content;
     if (is_text(content))
-      throw Error(facts::io::NotThisFormat{.format = "ascii STL", .beginning = "solid"}, name_ + ", line 1");
+      throw Error(facts::io::NotThisFormat{.format = "ascii STL", .beginning = "solid"},
+                  Location::file(name_) / Location::place("line 1"));
     if (content.size() < stl_layout::first_facet)
       throw Error(
           facts::io::TruncatedHeader{
               .format = "binary STL", .needed = stl_layout::first_facet, .size = content.size()},
-          name_);
+          Location::file(name_));
     const std::uint64_t count = load_stl_count(content);
     const std::uint64_t needed = stl_layout::first_facet + count * stl_layout::facet;
     throw Error(facts::io::WrongSize{.count = count, .needed = needed, .size = content.size()},
-                name_ + ", byte " + std::to_string(stl_layout::header));
+                Location::file(name_) / Location::place("byte " + std::to_string(stl_layout::header)));
   }
 
   [[noreturn]] void fail_too_large() const {
     throw Error(
         facts::io::TooMany{.elements = facts::io::Elements::corners, .most = std::numeric_limits<Index>::max()},
-        name_);
+        Location::file(name_));
   }
 
   void report_progress(std::size_t done, std::size_t of) const {

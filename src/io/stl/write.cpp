@@ -24,7 +24,7 @@ float to_float(double value, Index vertex) {
   const ParsedNumber rounded = narrow(value, ScalarType::float32);
   if (rounded.fault != NumberFault::none)
     throw Error(facts::io::ValueDoesNotFit{.property = "vertex", .type = "float", .value = value},
-                "vertex " + std::to_string(vertex));
+                Location::place("vertex " + std::to_string(vertex)));
   return static_cast<float>(rounded.value);
 }
 

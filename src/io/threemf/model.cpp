@@ -432,7 +432,7 @@ class Writer {
 ThreemfModel read_threemf_model(std::string_view package, const std::string& name, const Context& context) try {
   return Reader(context).read(package);
 } catch (const Error& error) {
-  throw error.code() == ErrorCode::cancelled ? error : error.within(name);
+  throw error.code() == ErrorCode::cancelled ? error : error.within(Location::file(name));
 }
 
 std::string write_threemf_model(const ThreemfModel& model, const Context& context) {

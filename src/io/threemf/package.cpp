@@ -84,13 +84,15 @@ void require_plausible(const zip_stat_t& entry, const std::string& location) {
   constexpr zip_uint64_t small = zip_uint64_t{64} << 20;
   constexpr zip_uint64_t largest_ratio = 200;
   if (entry.size > small && entry.size / largest_ratio > entry.comp_size)
-    throw Error(facts::threemf::PartTooLarge{.bytes = entry.size, .ratio = largest_ratio}, location);
+    throw Error(facts::threemf::PartTooLarge{.bytes = entry.size, .ratio = largest_ratio},
+                Location::file(location));
 }
 
 std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& location) {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(archive, entry.index, 0),
                                                                &zip_fclose);
-  if (!file) throw Error(facts::threemf::CannotUnpack{.reason = zip_strerror(archive)}, location);
+  if (!file)
+    throw Error(facts::threemf::CannotUnpack{.reason = zip_strerror(archive)}, Location::file(location));
   // Reads by pieces, because the size in the archive may be wrong.
   constexpr std::size_t piece = std::size_t{1} << 20;
   std::string content;
@@ -100,7 +102,8 @@ std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::strin
     content.resize(size + piece);
     const zip_int64_t got = zip_fread(file.get(), content.data() + size, piece);
     content.resize(size + static_cast<std::size_t>(std::max<zip_int64_t>(got, 0)));
-    if (got < 0 || content.size() > entry.size) throw Error(facts::threemf::DataDamaged{}, location);
+    if (got < 0 || content.size() > entry.size)
+      throw Error(facts::threemf::DataDamaged{}, Location::file(location));
     if (got == 0) return content;
   }
 }
@@ -130,7 +133,7 @@ std::vector<PackagePart> model_parts(std::string_view package, const std::string
   if (parts.empty()) throw Error(facts::threemf::NoModel{});
   return parts;
 } catch (const Error& error) {
-  throw error.within(name);
+  throw error.within(Location::file(name));
 }
 
 std::string with_parts(std::string_view package, const std::vector<PackagePart>& parts) {

@@ -108,7 +108,7 @@ void require_sensible_build(const ThreemfDocument& document, const std::string& 
   if (CopyCounter(document.parts, document.scanned).copies() > most)
     throw Error(facts::threemf::BuildTooLarge{.what = facts::threemf::Content::copies, .most = most});
 } catch (const Error& error) {
-  throw error.within(name);
+  throw error.within(Location::file(name));
 }
 
 /// Composes one mesh from the placed objects.

@@ -129,7 +129,8 @@ class PartScanner {
   }
 
   [[noreturn]] void fail(const Fact& fact) const {
-    throw Error(fact, location_ + ", line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())));
+    throw Error(fact, Location::file(location_) /
+                          Location::place("line " + std::to_string(XML_GetCurrentLineNumber(parser_.get()))));
   }
 
   std::string_view xml_;

@@ -28,7 +28,7 @@ void check(const Mesh& mesh, std::span<const double> values, const CutOptions& o
     throw Error(facts::mesh::ValueCountMismatch{.values = values.size(), .vertices = mesh.vertex_count()});
   const auto missing = std::find_if(values.begin(), values.end(), [](double x) { return !std::isfinite(x); });
   if (const auto v = missing - values.begin(); missing != values.end())
-    throw Error(facts::mesh::ValueNotFinite{.vertex = v}, fmt::format("vertex {}", v));
+    throw Error(facts::mesh::ValueNotFinite{.vertex = v}, Location::place(fmt::format("vertex {}", v)));
   check(mesh, options);
 }
 
@@ -270,7 +270,8 @@ CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eig
   std::vector<double> values(mesh.vertex_count());
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     const Eigen::Vector3d x = mesh.positions.row(v);
-    if (!x.allFinite()) throw Error(facts::mesh::PositionNotFinite{.vertex = v}, fmt::format("vertex {}", v));
+    if (!x.allFinite())
+      throw Error(facts::mesh::PositionNotFinite{.vertex = v}, Location::place(fmt::format("vertex {}", v)));
     const double rounding = 4 * ulp * (x.cwiseAbs().maxCoeff() + point.cwiseAbs().maxCoeff());
     values[v] = (x - point).dot(unit);
     if (std::abs(values[v]) <= rounding) values[v] = 0;

@@ -31,7 +31,7 @@ struct CurvePoint {
   bool touches(Index v) const { return at.from == v || at.to == v; }
 };
 
-std::string name(Index v) { return "vertex " + std::to_string(v); }
+Location location_of(Index v) { return Location::place("vertex " + std::to_string(v)); }
 
 void check_vertices(const Mesh& mesh, std::span<const Index> vertices) {
   if (vertices.size() < 3) throw Error(facts::mesh::LoopTooShort{.count = vertices.size()});
@@ -39,8 +39,9 @@ void check_vertices(const Mesh& mesh, std::span<const Index> vertices) {
   for (const Index v : vertices) {
     if (v < 0 || v >= mesh.vertex_count())
       throw Error(facts::core::NoSuchVertex{.vertex = v, .count = mesh.vertex_count()});
-    if (!seen.insert(v).second) throw Error(facts::mesh::LoopRepeatsVertex{.vertex = v}, name(v));
-    if (!mesh.positions.row(v).allFinite()) throw Error(facts::mesh::PositionNotFinite{.vertex = v}, name(v));
+    if (!seen.insert(v).second) throw Error(facts::mesh::LoopRepeatsVertex{.vertex = v}, location_of(v));
+    if (!mesh.positions.row(v).allFinite())
+      throw Error(facts::mesh::PositionNotFinite{.vertex = v}, location_of(v));
   }
 }
 
@@ -129,7 +130,7 @@ class LoopCut {
         throw Error(
             facts::mesh::LoopTouchesBoundary{
                 .vertex = v, .from = stations_[point.leg], .to = leg_end(point.leg)},
-            name(v));
+            location_of(v));
       if (const auto [other, is_new] = seen.try_emplace(point.at.from, &point); !is_new)
         fail_crossing(*other->second, point);
     }

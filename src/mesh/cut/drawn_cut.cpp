@@ -276,7 +276,8 @@ void check(const Mesh& mesh, const CutOptions& options) {
   if (mesh.face_count() == 0) throw Error(facts::core::NoFaces{});
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (const double size = mesh.positions.row(v).cwiseAbs().maxCoeff(); size > most && std::isfinite(size))
-      throw Error(facts::mesh::CoordinateTooLarge{.vertex = v, .size = size}, fmt::format("vertex {}", v));
+      throw Error(facts::mesh::CoordinateTooLarge{.vertex = v, .size = size},
+                  Location::place(fmt::format("vertex {}", v)));
   if (!(options.snap >= 0 && options.snap <= 0.5))
     throw Error(facts::core::OutOfRange{.value = options.snap, .low = 0, .high = 0.5}, "snap");
 }
