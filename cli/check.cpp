@@ -40,8 +40,9 @@ struct Uses {
 bool is_sound(const Mesh& mesh, const Diagnostics& diagnostics, const std::vector<Index>& loop) {
   if (std::any_of(loop.begin(), loop.end(), [&](Index v) { return !mesh.positions.row(v).allFinite(); }))
     return false;
-  for (const char* defect : {"non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
-    const Finding* finding = diagnostics.find(defect);
+  for (const FindingKind kind :
+       {FindingKind::non_manifold_edge, FindingKind::non_manifold_vertex, FindingKind::inconsistent_winding}) {
+    const Finding* finding = diagnostics.find(kind);
     if (finding && std::any_of(loop.begin(), loop.end(), [&](Index v) {
           return std::binary_search(finding->indices.begin(), finding->indices.end(), v);
         }))

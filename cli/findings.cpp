@@ -46,7 +46,8 @@ void print_findings(const Diagnostics& diagnostics, std::string_view label) {
   if (diagnostics.clean()) line(label, "none");
   for (const Finding& finding : diagnostics.findings) {
     const FactText text = text_of(finding.note);
-    line(label, fmt::format("{} ({}): {}", finding.name, severity_name(finding.severity), text.statement));
+    line(label,
+         fmt::format("{} ({}): {}", name_of(finding.kind), severity_name(finding.severity), text.statement));
     line("", fmt::format("  at {} {}", domain_name(finding.domain), first_of(finding.indices)));
     if (!text.remedy.empty()) line("", "  " + text.remedy);
     label = "";

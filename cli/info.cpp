@@ -100,14 +100,14 @@ void line(std::string_view label, const std::string& text) { fmt::print("  {:<12
 // Returns the defects that keep a loop from being merged. The findings give the details.
 std::string defects_along(const MeshFacts& facts, const std::vector<Index>& loop) {
   std::string text;
-  for (const char* defect :
-       {"non-finite", "non-manifold-edge", "non-manifold-vertex", "inconsistent-winding"}) {
-    const Finding* finding = facts.diagnostics.find(defect);
+  for (const FindingKind kind : {FindingKind::non_finite, FindingKind::non_manifold_edge,
+                                 FindingKind::non_manifold_vertex, FindingKind::inconsistent_winding}) {
+    const Finding* finding = facts.diagnostics.find(kind);
     if (!finding) continue;
     const auto here = std::find_if(loop.begin(), loop.end(), [&](Index v) {
       return std::binary_search(finding->indices.begin(), finding->indices.end(), v);
     });
-    if (here != loop.end()) text += fmt::format("; {} at vertex {}", defect, *here);
+    if (here != loop.end()) text += fmt::format("; {} at vertex {}", name_of(kind), *here);
   }
   return text;
 }

@@ -1,10 +1,8 @@
 #include "defects.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "editor/facts.h"
 
@@ -13,8 +11,7 @@ namespace meshgraft::editor {
 namespace {
 
 bool matters(const Finding& finding) {
-  constexpr std::array<std::string_view, 2> harmless = {"duplicate-vertex", "polygon"};
-  return std::find(harmless.begin(), harmless.end(), finding.name) == harmless.end();
+  return finding.kind != FindingKind::duplicate_vertex && finding.kind != FindingKind::polygon;
 }
 
 // Range that a GPU can show: beyond it, squares of single-precision numbers overflow or vanish.

@@ -38,7 +38,7 @@ void find_box(Object& base) {
 
 void find_selections(Object& base) {
   const MeshState& state = base.state();
-  const Finding* torn = state.diagnostics.find("duplicate-vertex");
+  const Finding* torn = state.diagnostics.find(FindingKind::duplicate_vertex);
   if (torn != nullptr && !state.is_cut) base.weld = weld_at(state.mesh, torn->indices);
   if (!base.weld.empty()) base.welded = welded(state.mesh, base.weld);
   base.selections.emplace(base.weld.empty() ? state.mesh : base.welded, base.weld);

@@ -81,18 +81,36 @@ std::vector<Index> repeated_faces(const Mesh& mesh, const EdgeTable& table) {
 
 }  // namespace
 
-const Finding* Diagnostics::find(std::string_view name) const {
+std::string_view name_of(FindingKind kind) {
+  switch (kind) {
+    case FindingKind::non_finite: return "non-finite";
+    case FindingKind::index_out_of_range: return "index-out-of-range";
+    case FindingKind::degenerate_face: return "degenerate-face";
+    case FindingKind::zero_area_face: return "zero-area-face";
+    case FindingKind::isolated_vertex: return "isolated-vertex";
+    case FindingKind::duplicate_vertex: return "duplicate-vertex";
+    case FindingKind::non_manifold_edge: return "non-manifold-edge";
+    case FindingKind::non_manifold_vertex: return "non-manifold-vertex";
+    case FindingKind::duplicate_face: return "duplicate-face";
+    case FindingKind::inconsistent_winding: return "inconsistent-winding";
+    case FindingKind::inward_facing_component: return "inward-facing-component";
+    case FindingKind::polygon: return "polygon";
+  }
+  return "";
+}
+
+const Finding* Diagnostics::find(FindingKind kind) const {
   const auto found = std::find_if(findings.begin(), findings.end(),
-                                  [&](const Finding& finding) { return finding.name == name; });
+                                  [&](const Finding& finding) { return finding.kind == kind; });
   return found == findings.end() ? nullptr : &*found;
 }
 
 Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   Diagnostics report;
-  const auto add = [&](const char* name, Severity severity, Domain domain, CountedNote note,
+  const auto add = [&](FindingKind kind, Severity severity, Domain domain, CountedNote note,
                        std::vector<Index> indices, std::size_t edges = 0) {
     const auto count = static_cast<Index>(edges > 0 ? edges : indices.size());
-    if (count > 0) report.findings.push_back({name, severity, count, domain, std::move(indices), note(count)});
+    if (count > 0) report.findings.push_back({kind, severity, count, domain, std::move(indices), note(count)});
   };
 
   context.step("check", 0);
@@ -101,9 +119,9 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const auto where = [&](Index count, const auto& predicate) {
     return indices_where(count, predicate, context);
   };
-  add("non-finite", Severity::refused, Domain::vertex, counted<facts::mesh::NonFinite>,
+  add(FindingKind::non_finite, Severity::refused, Domain::vertex, counted<facts::mesh::NonFinite>,
       where(vertices, [&](Index v) { return !is_finite(mesh, v); }));
-  add("index-out-of-range", Severity::refused, Domain::face, counted<facts::mesh::IndexOutOfRange>,
+  add(FindingKind::index_out_of_range, Severity::refused, Domain::face, counted<facts::mesh::IndexOutOfRange>,
       where(faces, [&](Index f) { return !in_range(mesh, f); }));
 
   const auto degenerate = [&](Index f) { return is_degenerate(mesh.faces[f]); };
@@ -114,9 +132,9 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
     }
     return has_no_area(mesh.faces[f], mesh.positions);
   };
-  add("degenerate-face", Severity::worked_around, Domain::face, counted<facts::mesh::DegenerateFace>,
+  add(FindingKind::degenerate_face, Severity::worked_around, Domain::face, counted<facts::mesh::DegenerateFace>,
       where(faces, degenerate));
-  add("zero-area-face", Severity::worked_around, Domain::face, counted<facts::mesh::ZeroAreaFace>,
+  add(FindingKind::zero_area_face, Severity::worked_around, Domain::face, counted<facts::mesh::ZeroAreaFace>,
       where(faces, without_area));
 
   context.step("check", 0.2);
@@ -126,22 +144,22 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
   const auto against =
       where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
-  add("isolated-vertex", Severity::worked_around, Domain::vertex, counted<facts::mesh::IsolatedVertex>,
-      where(vertices, [&](Index v) { return fans[v] == 0; }));
-  add("duplicate-vertex", Severity::worked_around, Domain::vertex, counted<facts::mesh::DuplicateVertex>,
-      open_seam_vertices(mesh, table));
-  add("non-manifold-edge", Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
+  add(FindingKind::isolated_vertex, Severity::worked_around, Domain::vertex,
+      counted<facts::mesh::IsolatedVertex>, where(vertices, [&](Index v) { return fans[v] == 0; }));
+  add(FindingKind::duplicate_vertex, Severity::worked_around, Domain::vertex,
+      counted<facts::mesh::DuplicateVertex>, open_seam_vertices(mesh, table));
+  add(FindingKind::non_manifold_edge, Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
       ends_of(table, crowded), crowded.size());
-  add("non-manifold-vertex", Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
+  add(FindingKind::non_manifold_vertex, Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
       where(vertices, [&](Index v) { return fans[v] > 1; }));
-  add("duplicate-face", Severity::info, Domain::face, counted<facts::mesh::DuplicateFace>,
+  add(FindingKind::duplicate_face, Severity::info, Domain::face, counted<facts::mesh::DuplicateFace>,
       repeated_faces(mesh, table));
-  add("inconsistent-winding", Severity::info, Domain::vertex, counted<facts::mesh::InconsistentWinding>,
-      ends_of(table, against), against.size());
+  add(FindingKind::inconsistent_winding, Severity::info, Domain::vertex,
+      counted<facts::mesh::InconsistentWinding>, ends_of(table, against), against.size());
   context.step("check", 0.9);
-  add("inward-facing-component", Severity::info, Domain::vertex, counted<facts::mesh::InwardFacingComponent>,
-      inward_components(mesh, table, context).components);
-  add("polygon", Severity::info, Domain::face, counted<facts::mesh::Polygon>,
+  add(FindingKind::inward_facing_component, Severity::info, Domain::vertex,
+      counted<facts::mesh::InwardFacingComponent>, inward_components(mesh, table, context).components);
+  add(FindingKind::polygon, Severity::info, Domain::face, counted<facts::mesh::Polygon>,
       where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }));
   context.step("check", 1);
   return report;
@@ -149,7 +167,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
 
 bool Diagnostics::has_defects() const {
   return std::any_of(findings.begin(), findings.end(),
-                     [](const Finding& finding) { return finding.name != "polygon"; });
+                     [](const Finding& finding) { return finding.kind != FindingKind::polygon; });
 }
 
 void require_sound(const Diagnostics& report, const Mesh& mesh, const RequireSoundOptions& options) {

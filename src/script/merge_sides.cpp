@@ -63,7 +63,7 @@ void require_loops(const MergeSide& side, const Location& location) {
   const std::string& mesh = side.state.label;
   if (side.state.mesh.face_count() == 0)
     throw Error(facts::script::SideWithoutFaces{.side = side.name, .mesh = mesh}, location);
-  if (const Finding* edges = side.state.diagnostics.find("non-manifold-edge"))
+  if (const Finding* edges = side.state.diagnostics.find(FindingKind::non_manifold_edge))
     throw Error(
         facts::script::SideWithoutClosedLoop{
             .side = side.name, .mesh = mesh, .edges = edges->count, .vertex = edges->indices.front()},
@@ -73,8 +73,7 @@ void require_loops(const MergeSide& side, const Location& location) {
 
 // Throws a fact of the class Row if the defect is on the loop.
 template <class Row>
-void require_without(std::string_view defect, const MergeSide& side, std::size_t number,
-                     const Location& location) {
+void require_without(FindingKind defect, const MergeSide& side, std::size_t number, const Location& location) {
   const Finding* finding = side.state.diagnostics.find(defect);
   if (!finding) return;
   std::vector<Index> here;
@@ -96,9 +95,9 @@ void require_without(std::string_view defect, const MergeSide& side, std::size_t
 // one.
 void require_sound(const MergeSide& side, std::size_t number, const Location& location) {
   using namespace facts::script;
-  require_without<LoopOnNonManifoldEdge>("non-manifold-edge", side, number, location);
-  require_without<LoopOnNonManifoldVertex>("non-manifold-vertex", side, number, location);
-  require_without<LoopWoundInconsistently>("inconsistent-winding", side, number, location);
+  require_without<LoopOnNonManifoldEdge>(FindingKind::non_manifold_edge, side, number, location);
+  require_without<LoopOnNonManifoldVertex>(FindingKind::non_manifold_vertex, side, number, location);
+  require_without<LoopWoundInconsistently>(FindingKind::inconsistent_winding, side, number, location);
 }
 
 Error off_loops(const MergeSide& side, Index vertex, const Location& location) {

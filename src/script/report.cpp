@@ -68,7 +68,7 @@ Json diagnostics_json(const Diagnostics& diagnostics, const Wording& wording) {
     const FactText text = wording(finding.note);
     const std::size_t shown = std::min(index_limit, finding.indices.size());
     findings.push_back(
-        {{"name", finding.name},
+        {{"name", name_of(finding.kind)},
          {"severity", severity_word(finding.severity)},
          {"count", finding.count},
          {"domain", domain_word(finding.domain)},

@@ -266,7 +266,7 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Location& location,
                           const MeshState& state, const DeformSettings& settings) {
   DeformSetup setup;
-  const Finding* torn = state.diagnostics.find("duplicate-vertex");
+  const Finding* torn = state.diagnostics.find(FindingKind::duplicate_vertex);
   const bool welds = torn != nullptr && settings.weld && !state.is_cut;
   if (welds) setup.weld = weld_at(state.mesh, torn->indices);
   if (!setup.weld.empty()) setup.welded = welded(state.mesh, setup.weld);

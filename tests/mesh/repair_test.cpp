@@ -30,7 +30,8 @@ bool same_bits(const Mesh& a, const Mesh& b) {
 std::string findings_left(const Mesh& mesh) {
   std::string names;
   for (const Finding& finding : check_mesh(mesh).findings)
-    if (finding.name != "polygon") names += finding.name + " (" + finding.description() + ") ";
+    if (finding.kind != FindingKind::polygon)
+      names += fmt::format("{} ({}) ", name_of(finding.kind), finding.description());
   return names;
 }
 
@@ -66,8 +67,8 @@ TEST(Repair, LeavesCleanMeshesAsTheyAre) {
 
 TEST(Repair, MendsEachDefectOfEachFamily) {
   for (const test::TestMesh& family : test::mesh_families()) {
-    for (const std::string& kind : test::defect_kinds()) {
-      SCOPED_TRACE(family.name + " " + kind);
+    for (const FindingKind kind : test::defect_kinds()) {
+      SCOPED_TRACE(fmt::format("{} {}", family.name, name_of(kind)));
       const test::Defective defective = test::inject(mesh_of(family), kind);
       const RepairResult result = repair(defective.mesh);
       EXPECT_EQ(findings_left(result.mesh), "");
@@ -300,7 +301,7 @@ TEST(Repair, EndsForAnyFaces) {
     const TopologySummary topology = summarise_topology(result.mesh);
     EXPECT_TRUE(topology.manifold);
     for (const Finding& finding : check_mesh(result.mesh).findings)
-      EXPECT_EQ(finding.severity, Severity::info) << finding.name << ": " << finding.description();
+      EXPECT_EQ(finding.severity, Severity::info) << name_of(finding.kind) << ": " << finding.description();
     EXPECT_FALSE(repair(result.mesh).changed());
     if (HasFailure()) break;
   }
@@ -353,7 +354,7 @@ TEST(RepairHoles, ThatTouchInAVertexAreClosedOneByOne) {
       EXPECT_TRUE(topology.manifold && topology.oriented);
       EXPECT_EQ(topology.boundary_loops, 1);
       EXPECT_NEAR(total_area(result.mesh), 1, 1e-9);
-      EXPECT_EQ(check_mesh(result.mesh).find("duplicate-vertex"), nullptr);
+      EXPECT_EQ(check_mesh(result.mesh).find(FindingKind::duplicate_vertex), nullptr);
       ASSERT_NE(result.find("rejoined-vertex"), nullptr);
       EXPECT_EQ(result.find("rejoined-vertex")->count, static_cast<Index>(holes.size()) - 1);
       EXPECT_FALSE(repair(result.mesh, {.hole_edges = 20, .hole_fill = fill}).changed());

@@ -33,7 +33,7 @@ TEST(SoundMesh, LeavesOutRefusedFacesAndPutsCoordinatesBack) {
     const SoundMesh sound(mesh, diagnostics, family.name);
     ASSERT_TRUE(sound.any() && sound.note());
     EXPECT_TRUE(sound.mesh().positions.allFinite());
-    for (const char* refused : {"non-finite", "index-out-of-range"})
+    for (const FindingKind refused : {FindingKind::non_finite, FindingKind::index_out_of_range})
       EXPECT_EQ(check_mesh(sound.mesh()).find(refused), nullptr);
 
     Mesh result = sound.mesh();

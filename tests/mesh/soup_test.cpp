@@ -66,7 +66,7 @@ TEST(Soup, OtherAlgorithmsTerminate) {
     Mesh mesh = soup(seed, seed % 2);
     const Diagnostics report = check_mesh(mesh);
     const Triangulation pieces = triangulate(mesh, {.skip_out_of_range = true});
-    const bool out_of_range = report.find("index-out-of-range") != nullptr;
+    const bool out_of_range = report.find(FindingKind::index_out_of_range) != nullptr;
     EXPECT_EQ(out_of_range, [&] {
       try {
         triangulate(mesh);

@@ -99,16 +99,17 @@ bool is_closed(const Mesh& mesh) { return summarise_topology(mesh).closed; }
 
 }  // namespace
 
-const std::vector<std::string>& defect_kinds() {
-  static const std::vector<std::string> kinds{
-      "non-finite",      "index-out-of-range",   "degenerate-face",        "zero-area-face",
-      "isolated-vertex", "duplicate-vertex",     "non-manifold-edge",      "non-manifold-vertex",
-      "duplicate-face",  "inconsistent-winding", "inward-facing-component"};
+const std::vector<FindingKind>& defect_kinds() {
+  static const std::vector<FindingKind> kinds{
+      FindingKind::non_finite,           FindingKind::index_out_of_range,     FindingKind::degenerate_face,
+      FindingKind::zero_area_face,       FindingKind::isolated_vertex,        FindingKind::duplicate_vertex,
+      FindingKind::non_manifold_edge,    FindingKind::non_manifold_vertex,    FindingKind::duplicate_face,
+      FindingKind::inconsistent_winding, FindingKind::inward_facing_component};
   return kinds;
 }
 
-Defective inject(const Mesh& clean, const std::string& kind) {
-  Defective result{.mesh = with_faces(clean, faces_of(clean)), .finding = kind, .indices = {}};
+Defective inject(const Mesh& clean, FindingKind kind) {
+  Defective result{.mesh = with_faces(clean, faces_of(clean)), .indices = {}};
   Mesh& mesh = result.mesh;
   std::vector<Face> faces = faces_of(clean);
   const Index middle = clean.face_count() / 2;
@@ -119,16 +120,16 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     result.count = count < 0 ? static_cast<Index>(indices.size()) : count;
     result.indices = std::move(indices);
   };
-  if (kind == "non-finite") {
+  if (kind == FindingKind::non_finite) {
     mesh.positions(face[0], 1) = std::numeric_limits<double>::quiet_NaN();
     expect(Domain::vertex, {face[0]});
-  } else if (kind == "index-out-of-range") {
+  } else if (kind == FindingKind::index_out_of_range) {
     mesh.faces.push_back(Face{face[0], face[1], clean.vertex_count()});
     expect(Domain::face, {clean.face_count()});
-  } else if (kind == "degenerate-face") {
+  } else if (kind == FindingKind::degenerate_face) {
     mesh.faces.push_back(Face{face[0], face[0], face[0]});
     expect(Domain::face, {clean.face_count()});
-  } else if (kind == "zero-area-face") {
+  } else if (kind == FindingKind::zero_area_face) {
     // The collinear triangle is a component of its own, so that there is no other defect.
     const Eigen::RowVector3d p = clean.positions.row(face[0]);
     const Eigen::RowVector3d way = clean.positions.row(face[1]) - p, apart(0, 0, 10 * box_diagonal(clean));
@@ -136,10 +137,10 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     const Index c = add_vertex(mesh, p + apart + 2 * way);
     mesh.faces.push_back(Face{a, b, c});
     expect(Domain::face, {clean.face_count()});
-  } else if (kind == "isolated-vertex") {
+  } else if (kind == FindingKind::isolated_vertex) {
     const Index alone = add_vertex(mesh, clean.positions.row(face[0]));
     expect(Domain::vertex, {alone});
-  } else if (kind == "duplicate-vertex") {
+  } else if (kind == FindingKind::duplicate_vertex) {
     // Cuts off an inner face along all its edges.
     const Index inner = inner_face(clean);
     if (inner < 0) return result;
@@ -148,7 +149,7 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     named.insert(named.end(), faces[inner].begin(), faces[inner].end());
     mesh = with_faces(mesh, faces);
     expect(Domain::vertex, named);
-  } else if (kind == "non-manifold-edge") {
+  } else if (kind == FindingKind::non_manifold_edge) {
     for (int k = 0; k < 3; ++k) {
       const Index a = face[k], b = face[(k + 1) % 3];
       if (face_across(faces, middle, a, b) < 0) continue;
@@ -159,17 +160,17 @@ Defective inject(const Mesh& clean, const std::string& kind) {
       expect(Domain::vertex, {a, b}, 1);
       break;
     }
-  } else if (kind == "non-manifold-vertex") {
+  } else if (kind == FindingKind::non_manifold_vertex) {
     const Eigen::RowVector3d p = clean.positions.row(face[0]);
     const double size = box_diagonal(clean);
     const Index a = add_vertex(mesh, p + Eigen::RowVector3d(size, 0, 5 * size));
     const Index b = add_vertex(mesh, p + Eigen::RowVector3d(0, size, 5 * size));
     mesh.faces.push_back(Face{face[0], a, b});
     expect(Domain::vertex, {face[0]});
-  } else if (kind == "duplicate-face") {
+  } else if (kind == FindingKind::duplicate_face) {
     mesh.faces.push_back(Face{face[1], face[0], face[2]});
     expect(Domain::face, {clean.face_count()});
-  } else if (kind == "inconsistent-winding") {
+  } else if (kind == FindingKind::inconsistent_winding) {
     std::set<Index> ends;
     Index edges = 0;
     for (int k = 0; k < 3; ++k) {
@@ -180,7 +181,7 @@ Defective inject(const Mesh& clean, const std::string& kind) {
     std::swap(faces[middle][1], faces[middle][2]);
     mesh = with_faces(mesh, faces);
     expect(Domain::vertex, {ends.begin(), ends.end()}, edges);
-  } else if (kind == "inward-facing-component") {
+  } else if (kind == FindingKind::inward_facing_component) {
     if (!is_closed(clean)) return result;
     for (Face& some : faces) std::swap(some[1], some[2]);
     mesh = with_faces(mesh, faces);

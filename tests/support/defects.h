@@ -4,27 +4,27 @@
 #include <string>
 #include <vector>
 
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/mesh.h>
 
 /// Puts defects into clean meshes, the same ones in every run, for the tests of check_mesh and repair and for
 /// pictures.
 namespace meshgraft::test {
 
-/// A mesh with one kind of defect, and the finding that the diagnostics must list.
+/// A mesh with one kind of defect, and the numbers of the finding that check_mesh must list.
 struct Defective {
   Mesh mesh;
-  std::string finding;
   Domain domain = Domain::vertex;
   Index count = 0;
   std::vector<Index> indices;  ///< ascending
 };
 
-/// Returns the names of all kinds of findings, as in the diagnostics but without "polygon".
-const std::vector<std::string>& defect_kinds();
+/// Returns all kinds of findings but polygons.
+const std::vector<FindingKind>& defect_kinds();
 
 /// Puts one defect of a kind into a mesh of triangles. If the mesh cannot have it, leaves the mesh clean, and
 /// `count` is 0.
-Defective inject(const Mesh& clean, const std::string& kind);
+Defective inject(const Mesh& clean, FindingKind kind);
 
 // The following damage whole scans. `seed` decides where.
 Mesh as_soup(const Mesh& mesh);                              ///< each face with vertices of its own

@@ -17,9 +17,28 @@ enum class Severity {
   refused,        ///< the edit fails where it reaches this
 };
 
-/// One kind of defect, and the elements where it was found.
+/// The kinds of findings, worst first; check_mesh explains each.
+enum class FindingKind {
+  non_finite,
+  index_out_of_range,
+  degenerate_face,
+  zero_area_face,
+  isolated_vertex,
+  duplicate_vertex,
+  non_manifold_edge,
+  non_manifold_vertex,
+  duplicate_face,
+  inconsistent_winding,
+  inward_facing_component,
+  polygon,
+};
+
+/// Returns the name of a kind in files and reports, e.g. "non-manifold-edge".
+std::string_view name_of(FindingKind kind);
+
+/// The elements where one kind of defect was found.
 struct Finding {
-  std::string name;  ///< stable identifier, e.g. "non-manifold-edge"
+  FindingKind kind = FindingKind::non_finite;
   Severity severity = Severity::info;
   Index count = 0;                 ///< number of defects; for edges not that of `indices`
   Domain domain = Domain::vertex;  ///< elements that `indices` refer to
@@ -36,38 +55,38 @@ struct Finding {
 struct Diagnostics {
   std::vector<Finding> findings;
   bool clean() const { return findings.empty(); }
-  /// Returns whether there is any finding other than "polygon", which is a form and no defect.
+  /// Returns whether there is any finding other than polygons, which are a form and no defect.
   bool has_defects() const;
-  /// Returns the finding of that name, or null.
-  const Finding* find(std::string_view name) const;
+  /// Returns the finding of that kind, or null.
+  const Finding* find(FindingKind kind) const;
 };
 
 /// Checks a mesh for defects that affect an edit. It never throws for what a mesh contains; it throws
 /// Error(cancelled) only.
 ///
 /// Refused, because nothing sound can be computed there:
-/// - "non-finite": vertices with a coordinate that is not a finite number;
-/// - "index-out-of-range": faces with the index of a vertex that does not exist.
+/// - non_finite: vertices with a coordinate that is not a finite number;
+/// - index_out_of_range: faces with the index of a vertex that does not exist.
 ///
 /// Worked around in the solve:
-/// - "degenerate-face": faces with fewer than three corners or with a repeated vertex. Repeated corners are
+/// - degenerate_face: faces with fewer than three corners or with a repeated vertex. Repeated corners are
 ///   skipped; a face with fewer than three left gives no triangle;
-/// - "zero-area-face": faces without area. Their edges still join their vertices; normals leave them out;
-/// - "isolated-vertex": vertices of no usable face. No equation contains them, and they are not moved;
-/// - "duplicate-vertex": boundary vertices at exactly the same position, at the ends of boundary edges that
+/// - zero_area_face: faces without area. Their edges still join their vertices; normals leave them out;
+/// - isolated_vertex: vertices of no usable face. No equation contains them, and they are not moved;
+/// - duplicate_vertex: boundary vertices at exactly the same position, at the ends of boundary edges that
 ///   coincide. They come from a soup of faces or from an open seam. Components that touch in points without
 ///   such edges are no finding.
 ///
 /// Infos, because the operator reads rings, which need neither fans nor consistent orientation:
-/// - "non-manifold-edge": edges with more than two faces (`count` edges; `indices` their ends);
-/// - "non-manifold-vertex": vertices with more than one fan;
-/// - "duplicate-face": faces with the corners of an earlier one, from any corner on and in either direction;
-/// - "inconsistent-winding": edges that two faces traverse in the same direction (`count` edges; `indices`
+/// - non_manifold_edge: edges with more than two faces (`count` edges; `indices` their ends);
+/// - non_manifold_vertex: vertices with more than one fan;
+/// - duplicate_face: faces with the corners of an earlier one, from any corner on and in either direction;
+/// - inconsistent_winding: edges that two faces traverse in the same direction (`count` edges; `indices`
 ///   their ends). Normals are unreliable there;
-/// - "inward-facing-component": closed, consistently oriented components of negative volume that lie inside
+/// - inward_facing_component: closed, consistently oriented components of negative volume that lie inside
 ///   no other closed component (there they would be the wall of a cavity). `indices` are their smallest
 ///   vertices;
-/// - "polygon": faces with more than three corners. They are solved on their triangles and written as they
+/// - polygon: faces with more than three corners. They are solved on their triangles and written as they
 ///   were.
 ///
 /// A face has no area if twice its area is at most 1e-12 × its longest edge squared. It also has none if its
