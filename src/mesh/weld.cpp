@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "coincident.h"
-#include "edge_table.h"
 
 namespace meshgraft {
 
@@ -40,15 +39,6 @@ void take_from_corners(const Faces& faces, const Attribute& from, Index vertex_c
 }
 
 }  // namespace
-
-Weld coincident_boundary(const Mesh& mesh, const Context& context) {
-  context.step("weld", 0);
-  std::vector<Index> all(mesh.vertex_count());
-  std::iota(all.begin(), all.end(), 0);
-  if (coincident_classes(mesh.positions, all) == all) return {};
-  context.step("weld", 0.5);
-  return weld_at(mesh, open_seam_vertices(mesh, EdgeTable(mesh.vertex_count(), mesh.faces)));
-}
 
 Weld weld_at(const Mesh& mesh, std::span<const Index> vertices) {
   const std::vector<Index> classes = coincident_classes(mesh.positions, vertices);

@@ -3,18 +3,13 @@
 #include <span>
 #include <vector>
 
-#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
 namespace meshgraft {
 
-/// Finds the coincident vertices at the ends of boundary edges that coincide ("duplicate-vertex" in the
-/// diagnostics). Components that touch in points, or along edges that are no boundary, stay separate. So do
-/// vertices with non-finite coordinates. Takes linear time.
-Weld coincident_boundary(const Mesh& mesh, const Context& context = {});
-
-/// Does the same where the coincident vertices are known: `vertices`, ascending.
+/// Welds coincident vertices: `vertices`, ascending, as a finding of the kind duplicate_vertex lists them.
+/// Takes linear time.
 Weld weld_at(const Mesh& mesh, std::span<const Index> vertices);
 
 /// Returns the mesh with its faces on the representatives. Vertices keep their indices, and a copy is left

@@ -73,6 +73,9 @@ StepReport run_merge(const EditFile& edit, const EditStep& step, const Location&
                      std::map<std::string, MeshState>& states, const RunOptions& options,
                      const Context& context);
 
+StepReport run_cut(const EditStep& step, const Location& location, std::map<std::string, MeshState>& states,
+                   const Context& context);
+
 /// Computes the placement of the source of a merge step with `at`, before it is deformed.
 class DropPlacement {
  public:
@@ -90,9 +93,6 @@ class DropPlacement {
   Eigen::Affine3d posing_;
   std::optional<DropGuide> guide_;
 };
-
-StepReport run_cut(const EditStep& step, const Location& location, std::map<std::string, MeshState>& states,
-                   const Context& context);
 
 /// Stores in `states` the outcome of a deform step whose solution is known, as `run_step` would. `solution`
 /// is the result of `Deformer::evaluate` on the problem that `set_up_deform` makes (n×3). Throws what

@@ -166,7 +166,7 @@ TEST(CheckMesh, PutsTheWorstFirst) {
   for (std::size_t k = 1; k < report.findings.size(); ++k) {
     EXPECT_GE(static_cast<int>(report.findings[k - 1].severity), static_cast<int>(report.findings[k].severity));
   }
-  EXPECT_EQ(report.find(FindingKind::polygon), nullptr);
+  EXPECT_EQ(report.find(FindingKind::duplicate_face), nullptr);
 }
 
 TEST(RequireUsable, RefusesOnlyWithinReach) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -39,12 +40,19 @@ Mesh soup_of(const Mesh& mesh, unsigned seed) {
   return soup;
 }
 
+// Welds the open seams of a mesh.
+Weld weld_of(const Mesh& mesh) {
+  const Diagnostics diagnostics = check_mesh(mesh);
+  const Finding* torn = diagnostics.find(FindingKind::duplicate_vertex);
+  return torn == nullptr ? Weld() : weld_at(mesh, torn->indices);
+}
+
 TEST(Weld, GivesASoupTheTopologyItCameFrom) {
   for (const Mesh& mesh : shapes_to_tear()) {
     const TopologySummary before = summarise_topology(mesh);
     for (unsigned seed = 0; seed < 5; ++seed) {
       const Mesh soup = soup_of(mesh, seed);
-      const Weld weld = coincident_boundary(soup);
+      const Weld weld = weld_of(soup);
       EXPECT_EQ(weld.copies, soup.vertex_count() - mesh.vertex_count());
       const TopologySummary after = summarise_topology(welded(soup, weld));
       EXPECT_EQ(after.vertices, before.vertices);
@@ -58,7 +66,7 @@ TEST(Weld, GivesASoupTheTopologyItCameFrom) {
 
 TEST(Weld, RepresentativesAreTheSmallestOfTheirPlace) {
   const Mesh soup = soup_of(shapes::torus(), 3);
-  const Weld weld = coincident_boundary(soup);
+  const Weld weld = weld_of(soup);
   for (Index v = 0; v < soup.vertex_count(); ++v) {
     EXPECT_LE(weld.of(v), v);
     EXPECT_EQ(weld.of(weld.of(v)), weld.of(v));
@@ -67,7 +75,7 @@ TEST(Weld, RepresentativesAreTheSmallestOfTheirPlace) {
 }
 
 TEST(Weld, FindsNothingInMeshesThatShareTheirVertices) {
-  for (const Mesh& mesh : shapes_to_tear()) EXPECT_TRUE(coincident_boundary(mesh).empty());
+  for (const Mesh& mesh : shapes_to_tear()) EXPECT_TRUE(weld_of(mesh).empty());
 }
 
 TEST(Weld, LeavesClosedPartsThatTouchApart) {
@@ -80,26 +88,26 @@ TEST(Weld, LeavesClosedPartsThatTouchApart) {
     for (Index& v : face) v += 8;
     two.faces.push_back(face);
   }
-  EXPECT_TRUE(coincident_boundary(two).empty());
+  EXPECT_TRUE(weld_of(two).empty());
 }
 
 TEST(Weld, KnowsNegativeZeroAndLeavesOutWhatIsNotFinite) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const Mesh zeros = shapes::polygons(
       {{0.0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {1, -0.0, 0}, {0, -1, 0}}, {{0, 1, 2}, {4, 3, 5}});
-  EXPECT_EQ(coincident_boundary(zeros).of(3), 0);
-  EXPECT_EQ(coincident_boundary(zeros).of(4), 1);
+  EXPECT_EQ(weld_of(zeros).of(3), 0);
+  EXPECT_EQ(weld_of(zeros).of(4), 1);
   const Mesh nans = shapes::polygons({{nan, 0, 0}, {1, 0, 0}, {0, 1, 0}, {nan, 0, 0}, {1, 0, 0}, {0, -1, 0}},
                                      {{0, 1, 2}, {3, 4, 5}});
-  EXPECT_TRUE(coincident_boundary(nans).empty());
+  EXPECT_TRUE(weld_of(nans).empty());
   const Mesh isolated = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}}, {{0, 1, 2}});
-  EXPECT_TRUE(coincident_boundary(isolated).empty());
+  EXPECT_TRUE(weld_of(isolated).empty());
 }
 
 TEST(Weld, SkipsFacesWithIndicesOutOfRange) {
   Mesh soup = soup_of(shapes::cube(), 1);
   soup.faces.push_back(std::vector<Index>{0, 99, -1});
-  const Weld weld = coincident_boundary(soup);
+  const Weld weld = weld_of(soup);
   EXPECT_EQ(weld.copies, 16);
   const Mesh whole = welded(soup, weld);
   EXPECT_EQ(whole.faces[6][1], 99);
@@ -110,7 +118,7 @@ TEST(Weld, SkipsFacesWithIndicesOutOfRange) {
 TEST(Weld, UnweldingPutsCopiesWhereTheirRepresentativeWent) {
   Mesh soup = soup_of(shapes::torus(), 2);
   const Faces faces = soup.faces;
-  const Weld weld = coincident_boundary(soup);
+  const Weld weld = weld_of(soup);
   Mesh whole = welded(soup, weld);
   for (Index v = 0; v < whole.vertex_count(); ++v)
     if (weld.of(v) == v) whole.positions.row(v) += Eigen::RowVector3d(v, 2 * v, 0.5);
@@ -135,7 +143,7 @@ TEST(Weld, CarriesVertexAttributesOverTheSeam) {
   }
   soup.attributes = {normal, uv};
 
-  const Weld weld = coincident_boundary(soup);
+  const Weld weld = weld_of(soup);
   Mesh whole = welded(soup, weld);
   EXPECT_EQ(whole.attributes[0].domain, Domain::corner);
   const Points rest = whole.positions;

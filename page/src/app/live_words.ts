@@ -74,7 +74,6 @@ const progressStages: Record<ProgressStage, string> = {
   shape_triangles: "shaping triangles",
   skin: "covering the surface",
   solve: "solving",
-  weld: "welding",
   write: "writing the file",
 };
 
