@@ -21,7 +21,7 @@
 
 #include "core/facts.h"
 
-#ifdef __SANITIZE_THREAD__
+#ifdef MESHGRAFT_SANITIZES_THREADS
 #include <sanitizer/tsan_interface.h>
 #endif
 
@@ -32,7 +32,7 @@ namespace {
 // TBB's library is not instrumented, so ThreadSanitizer must be told the order of fork and join. The loop
 // bodies come after the caller's earlier work, and the caller's next step comes after the bodies. The bodies
 // stay unordered among themselves, so that a race between them is still found. Empty in other builds.
-#ifdef __SANITIZE_THREAD__
+#ifdef MESHGRAFT_SANITIZES_THREADS
 void signal(char& event) { __tsan_release(&event); }
 void await(char& event) { __tsan_acquire(&event); }
 #else

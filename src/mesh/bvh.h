@@ -29,8 +29,10 @@ struct BoundingBox {
   void include(const Point3& p) { include(BoundingBox{p, p}); }
   /// Returns whether the boxes overlap or touch.
   bool overlaps(const BoundingBox& other) const {
-    return (low[0] <= other.high[0]) & (other.low[0] <= high[0]) & (low[1] <= other.high[1]) &
-           (other.low[1] <= high[1]) & (low[2] <= other.high[2]) & (other.low[2] <= high[2]);
+    const auto along = [&](std::size_t k) {
+      return int{low[k] <= other.high[k]} & int{other.low[k] <= high[k]};
+    };
+    return (along(0) & along(1) & along(2)) != 0;  // without branches
   }
 };
 

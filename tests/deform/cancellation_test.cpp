@@ -7,7 +7,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(MESHGRAFT_SANITIZES_ADDRESSES) || defined(MESHGRAFT_SANITIZES_THREADS)
 #define MESHGRAFT_SANITIZED 1
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();  // GCC installs no header that declares it
 #else

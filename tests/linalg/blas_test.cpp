@@ -13,7 +13,7 @@
 #include "linalg/blas_threads.h"
 #include "matrix_families.h"
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__linux__) && !defined(MESHGRAFT_SANITIZES_ADDRESSES) && !defined(MESHGRAFT_SANITIZES_THREADS)
 #define MESHGRAFT_CAN_LIMIT_ADDRESSES
 #include <sys/resource.h>
 #endif

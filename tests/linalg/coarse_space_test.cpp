@@ -91,6 +91,8 @@ TEST(CoarseSpace, ProlongsPaddingToZeroAndColumnByColumn) {
       const Eigen::MatrixXd y = Eigen::MatrixXd::Random(coarse->space.unknowns(), columns);
       FourColumns x;
       coarse->space.prolong(y, x, {});
+      ASSERT_EQ(x.rows(), coarse->P.rows());
+      if (x.rows() == 0) continue;  // blocks of an empty matrix have no address
       EXPECT_LE((x.leftCols(columns) - coarse->P * y).norm(), 1e-12 * (1 + x.norm())) << coarse->system.name;
       EXPECT_EQ(x.rightCols(4 - columns).norm(), 0) << coarse->system.name;
       for (Eigen::Index row = 0; row < x.rows(); ++row)

@@ -262,7 +262,8 @@ class OffReader {
 
   void read_faces() {
     // Most meshes consist of triangles. A wrong guess costs nothing.
-    const auto room = static_cast<Index>(std::min<std::size_t>(cursor_.remaining() / 2, largest_index));
+    const auto room =
+        static_cast<Index>(std::min<std::size_t>(cursor_.remaining() / 2, std::numeric_limits<Index>::max()));
     mesh_.faces.reserve(faces_, std::min(room, faces_ > room / 3 ? room : 3 * faces_));
     for (Index f = 0; f < faces_; ++f) {
       if (f % elements_per_check == 0) report_progress();

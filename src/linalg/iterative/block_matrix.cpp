@@ -12,8 +12,8 @@
 #include "linalg/facts.h"
 
 // The loops below gain from the processor's widest registers, but the library is built for any processor.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(MESHGRAFT_SANITIZES_ADDRESSES) && !defined(MESHGRAFT_SANITIZES_THREADS)
 #define MESHGRAFT_WIDEST_REGISTERS [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
 #else
 #define MESHGRAFT_WIDEST_REGISTERS

@@ -280,7 +280,7 @@ void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Contex
   const BlockRows& nodes = order_.nodes;
   const Eigen::Index columns = y.cols();
   std::vector<Eigen::Matrix4d> functions(count_, Eigen::Matrix4d::Zero());
-  for (Index a = 0; a < count_; ++a)
+  for (Index a = 0; a < count_ && columns > 0; ++a)
     functions[a].leftCols(columns) = basis_[a] * y.middleRows<4>(4 * Eigen::Index{a});
   x.resize(static_cast<Eigen::Index>(nodes.unknown.size()), 4);
   parallel_blocks(
