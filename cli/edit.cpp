@@ -29,15 +29,10 @@ void run_edit(const EditArguments& arguments, const Context& context) {
   editor::EditorOptions options = arguments.options;
   options.port = static_cast<std::uint16_t>(arguments.port.value_or(usual_port));
   options.or_free_port = !arguments.port;
-  if (options.address != "127.0.0.1")
-    fmt::print(stderr,
-               "meshgraft: warning: {} may be reached from other machines, without encryption. Whoever has the "
-               "address below may read and write in the folders of the editor.\n",
-               options.address);
-  const auto started = [&](const std::string& url) {
-    fmt::print("{}\n", url);
+  const auto started = [&](const editor::EditorAddress& address) {
+    fmt::print("{}\n", address.url);
     std::fflush(stdout);
-    if (!arguments.no_browser) platform::open_in_browser(url);
+    if (!arguments.no_browser) platform::open_in_browser(address.page.string());
   };
   editor::run_editor(options, started, context.stop_token);
 }
@@ -64,10 +59,6 @@ void add_edit(CLI::App& program, Action& action) {
       ->add_option("--folder", arguments->options.folders, "A folder that may be read and written; repeatable")
       ->type_name("DIR")
       ->allow_extra_args(false);
-  command
-      ->add_option("--address", arguments->options.address,
-                   "The address to listen to; another one than 127.0.0.1 may be reached from other machines")
-      ->type_name("A");
   command->add_flag("--no-browser", arguments->no_browser, "Print the address, and open no browser");
   command->footer("Example:\n  meshgraft edit octopus.ply");
   command->callback([arguments, &action] {

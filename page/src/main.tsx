@@ -3,6 +3,7 @@ import { makeCommands, type PageActions } from "./app/commands";
 import { Editor } from "./app/editor";
 import { listenForKeys } from "./app/keys";
 import { rememberSettings } from "./app/remembered";
+import { takeToken } from "./app/token";
 import { ViewSettings } from "./app/view_settings";
 import { viewActions } from "./app/view_actions";
 import { App } from "./panels/app";
@@ -14,7 +15,7 @@ import "./style.css";
 const view = new ViewSettings();
 rememberSettings({ theme: view.theme, unit: view.unit, grid: view.grid });
 const viewport = new Viewport(view);
-const editor = new Editor(new URLSearchParams(location.search).get("token") ?? "", viewport, view);
+const editor = new Editor(takeToken(), viewport, view);
 
 const graftView = new GraftView(viewport, editor.graft);
 const tools = new ToolBox(editor, viewport, graftView);

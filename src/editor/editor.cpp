@@ -1,8 +1,12 @@
 #include "editor.h"
 
 #include <memory>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
 
@@ -19,26 +23,60 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The folder of uploads. It is deleted when the program ends.
-class UploadFolder {
+constexpr std::string_view folder_stem = "meshgraft-editor-";
+
+/// A folder that only this user may read, for uploads and the page that leads to the editor. It is deleted when
+/// the program ends. Folders of programs that were killed are deleted by the next one.
+class PrivateFolder {
  public:
-  UploadFolder() {
+  PrivateFolder() {
+    remove_forsaken();
     std::error_code error;
-    path_ = platform::make_private_folder(fs::temp_directory_path() / "meshgraft-uploads-", error);
-    if (error) throw Error(facts::editor::NoUploadFolder{}, path_);
+    path_ = platform::make_private_folder(fs::temp_directory_path() / folder_stem, error);
+    if (!error) lock_ = platform::File(path_ / "lock", platform::OpenMode::append_or_create, error);
+    if (!error) error = lock_.try_lock();
+    if (!error) fs::create_directory(uploads(), error);
+    if (error) throw Error(facts::editor::NoPrivateFolder{}, path_);
     path_ = fs::canonical(path_);
   }
-  ~UploadFolder() {
+  ~PrivateFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
   }
-  UploadFolder(const UploadFolder&) = delete;
-  UploadFolder& operator=(const UploadFolder&) = delete;
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
 
-  const fs::path& path() const { return path_; }
+  fs::path uploads() const { return path_ / "uploads"; }
+
+  /// Writes a page that leads to the address.
+  fs::path write_page(const std::string& url) const {
+    const fs::path page = path_ / "editor.html";
+    std::error_code error;
+    platform::File file(page, platform::OpenMode::append_or_create, error);
+    if (!error)
+      error =
+          file.write(fmt::format("<!doctype html><meta charset=\"utf-8\"><title>meshgraft</title>"
+                                 "<meta http-equiv=\"refresh\" content=\"0; url={0}\">"
+                                 "<a href=\"{0}\">Open the editor</a>\n",
+                                 url));
+    if (error) throw Error(facts::editor::NoPrivateFolder{}, page);
+    return page;
+  }
 
  private:
+  // A running program holds the lock in its folder. Folders of other users cannot be entered.
+  static void remove_forsaken() {
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(fs::temp_directory_path(ignored), ignored)) {
+      if (!entry.path().filename().string().starts_with(folder_stem) || entry.is_symlink(ignored)) continue;
+      std::error_code error;
+      platform::File lock(entry.path() / "lock", platform::OpenMode::append, error);
+      if (!error && !lock.try_lock()) fs::remove_all(entry.path(), ignored);
+    }
+  }
+
   fs::path path_;
+  platform::File lock_;
 };
 
 Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads) {
@@ -55,20 +93,19 @@ Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads)
 
 }  // namespace
 
-void run_editor(const EditorOptions& options, const std::function<void(const std::string&)>& started,
+void run_editor(const EditorOptions& options, const std::function<void(const EditorAddress&)>& started,
                 const std::stop_token& stop) {
-  const UploadFolder uploads;
-  const Shared shared = shared_by_sessions(options, uploads.path());
+  const PrivateFolder folder;
+  const Shared shared = shared_by_sessions(options, folder.uploads());
   Retirement retirement;
   ServerOptions server_options;
-  server_options.address = options.address;
   server_options.port = options.port;
   server_options.or_free_port = options.or_free_port;
-  server_options.upload_folder = uploads.path();
+  server_options.upload_folder = folder.uploads();
   Server server(server_options, page_files(), [&](std::shared_ptr<Channel> channel) {
     return std::make_unique<Session>(std::move(channel), shared, retirement);
   });
-  if (started) started(server.url());
+  if (started) started({server.url(), folder.write_page(server.url())});
   server.run(stop);
 }
 

@@ -12,15 +12,21 @@ namespace meshgraft::editor {
 struct EditorOptions {
   std::vector<std::filesystem::path> models;   ///< offered to the page; files in their folders may be used
   std::vector<std::filesystem::path> folders;  ///< further folders whose files may be used
-  std::string address = "127.0.0.1";
-  std::uint16_t port = 0;     ///< 0: any free port
-  bool or_free_port = false;  ///< any free port where `port` is taken
+  std::uint16_t port = 0;                      ///< 0: any free port
+  bool or_free_port = false;                   ///< any free port where `port` is taken
 };
 
-/// Serves the editor until a stop is requested. Calls `started` with the address to open as soon as the
-/// server listens. Throws Error(io) for a model or folder that does not exist, and for an address that cannot
-/// be bound.
-void run_editor(const EditorOptions& options, const std::function<void(const std::string& url)>& started,
+/// Where a browser finds the editor.
+struct EditorAddress {
+  std::string url;  ///< contains the token
+  /// A web page that leads to `url`, which only this user may read. Programs take it as an argument, because
+  /// everybody on the machine may read arguments.
+  std::filesystem::path page;
+};
+
+/// Serves the editor until a stop is requested. Calls `started` as soon as the server listens. Throws Error(io)
+/// for a model or folder that does not exist, and for a port that cannot be bound.
+void run_editor(const EditorOptions& options, const std::function<void(const EditorAddress&)>& started,
                 const std::stop_token& stop);
 
 }  // namespace meshgraft::editor

@@ -58,9 +58,9 @@ Target parse_target(std::string_view target) {
   return parsed;
 }
 
-Access::Access(std::string token, std::string_view address, std::uint16_t port) : token_(std::move(token)) {
-  hosts_.push_back(fmt::format("{}:{}", address, port));
-  if (address == "127.0.0.1") hosts_.push_back(fmt::format("localhost:{}", port));
+Access::Access(std::string token, std::uint16_t port) : token_(std::move(token)) {
+  for (const char* name : {"127.0.0.1", "[::1]", "localhost"})
+    hosts_.push_back(fmt::format("{}:{}", name, port));
 }
 
 bool Access::allows_host(std::string_view host) const {

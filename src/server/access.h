@@ -27,7 +27,7 @@ Target parse_target(std::string_view target);
 /// address (DNS rebinding) it sends another Host.
 class Access {
  public:
-  Access(std::string token, std::string_view address, std::uint16_t port);
+  Access(std::string token, std::uint16_t port);
 
   bool allows_host(std::string_view host) const;
   bool allows_origin(std::string_view origin) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <limits>
 #include <list>
 #include <mutex>
@@ -45,7 +46,6 @@ using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
 constexpr std::size_t header_limit = 16 * 1024;
-constexpr std::chrono::seconds patience(30);  // time limit for a request that makes no progress
 
 /// Allows only the page's own files and this server; `blob:` and `data:` are for pictures that the page
 /// makes.
@@ -85,8 +85,9 @@ class Mailbox : public Channel {
     std::string slot;
   };
 
-  /// Calls `wake`, on any thread, for each message that is queued.
-  explicit Mailbox(std::function<void()> wake) : wake_(std::move(wake)) {}
+  /// Calls `wake`, on any thread, for each message that is queued. Closes itself if more bytes wait than
+  /// `limit`.
+  Mailbox(std::function<void()> wake, std::size_t limit) : wake_(std::move(wake)), limit_(limit) {}
 
   void send_text(std::string text, std::string_view slot) override {
     put({std::move(text), std::string(slot)});
@@ -100,6 +101,7 @@ class Mailbox : public Channel {
     if (waiting_.empty()) return std::nullopt;
     Message message = std::move(waiting_.front());
     waiting_.pop_front();
+    bytes_ -= size_of(message);
     return message;
   }
 
@@ -109,19 +111,40 @@ class Mailbox : public Channel {
     waiting_.clear();
   }
 
+  /// Returns whether more waited than the limit allows.
+  bool overflowed() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_ > limit_;
+  }
+
  private:
   void put(Message message) {
     const std::lock_guard lock(mutex_);
     if (!wake_) return;
     if (!message.slot.empty())
-      std::erase_if(waiting_, [&](const Message& old) { return old.slot == message.slot; });
+      std::erase_if(waiting_, [&](const Message& old) {
+        const bool superseded = old.slot == message.slot;
+        if (superseded) bytes_ -= size_of(old);
+        return superseded;
+      });
+    bytes_ += size_of(message);
     waiting_.push_back(std::move(message));
+    if (bytes_ > limit_) waiting_.clear();
     wake_();
+    if (bytes_ > limit_) wake_ = nullptr;
   }
 
-  std::mutex mutex_;
+  static std::size_t size_of(const Message& message) {
+    if (const auto* text = std::get_if<std::string>(&message.content)) return text->size();
+    std::size_t bytes = 0;
+    for (const auto& part : *std::get<std::shared_ptr<const ByteParts>>(message.content)) bytes += part.size();
+    return bytes;
+  }
+
+  mutable std::mutex mutex_;
   std::function<void()> wake_;
   std::deque<Message> waiting_;
+  std::size_t bytes_ = 0, limit_;
 };
 
 /// The socket of one tab. Used only on the server's thread.
@@ -133,13 +156,15 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  static std::shared_ptr<Connection> make(asio::io_context& io, beast::tcp_stream stream) {
+  static std::shared_ptr<Connection> make(asio::io_context& io, beast::tcp_stream stream,
+                                          std::size_t queue_limit) {
     auto connection = std::make_shared<Connection>(io, std::move(stream));
-    connection->mailbox_ = std::make_shared<Mailbox>([&io, weak = std::weak_ptr(connection)] {
+    const auto wake = [&io, weak = std::weak_ptr(connection)] {
       asio::post(io, [weak] {
-        if (const auto awake = weak.lock()) awake->wake_.cancel();
+        if (const auto awake = weak.lock()) awake->wake();
       });
-    });
+    };
+    connection->mailbox_ = std::make_shared<Mailbox>(wake, queue_limit);
     return connection;
   }
 
@@ -164,6 +189,13 @@ class Connection {
         co_await write_one(asio::buffer(part), false);
       }
     }
+  }
+
+  /// Makes `write` look into the mailbox. A tab for which too much waits is disconnected; its page connects
+  /// anew.
+  void wake() {
+    if (mailbox_->overflowed()) return close();
+    wake_.cancel();
   }
 
   /// Closes the connection without waiting for the other side.
@@ -203,9 +235,12 @@ struct Server::Impl {
   std::string token = random_token();
   std::unique_ptr<Access> access;
   std::list<std::weak_ptr<Connection>> pages;
+  std::size_t connections = 0;
+  std::uint64_t uploaded_bytes = 0;
 
   void take_address();
   error_code listen(std::uint16_t port);
+  error_code listen(const asio::ip::address& address, std::uint16_t port);
   asio::awaitable<void> accept();
   asio::awaitable<void> serve(beast::tcp_stream stream);
   asio::awaitable<void> talk(beast::tcp_stream stream, const Request& request);
@@ -217,10 +252,18 @@ struct Server::Impl {
 };
 
 error_code Server::Impl::listen(std::uint16_t port) {
+  const error_code failed = listen(asio::ip::address_v4::loopback(), port);
+  const bool has_no_v4 = failed == asio::error::address_family_not_supported ||
+                         failed == asio::error::network_unreachable ||
+                         failed == boost::system::errc::address_not_available;
+  return has_no_v4 ? listen(asio::ip::address_v6::loopback(), port) : failed;
+}
+
+error_code Server::Impl::listen(const asio::ip::address& address, std::uint16_t port) {
   error_code failed;
-  const tcp::endpoint endpoint(asio::ip::make_address(options.address, failed), port);
+  const tcp::endpoint endpoint(address, port);
   acceptor = tcp::acceptor(io);
-  if (!failed) acceptor.open(endpoint.protocol(), failed);
+  acceptor.open(endpoint.protocol(), failed);
   if (!failed && port != 0) acceptor.set_option(tcp::acceptor::reuse_address(true), failed);
   if (!failed) acceptor.bind(endpoint, failed);
   if (!failed) acceptor.listen(asio::socket_base::max_listen_connections, failed);
@@ -232,28 +275,35 @@ void Server::Impl::take_address() {
   if (failed == asio::error::address_in_use && options.or_free_port) failed = listen(0);
   if (failed)
     throw Error(facts::server::AddressNotTaken{.reason = failed.message()},
-                Location::place(fmt::format("{}:{}", options.address, options.port)));
-  access = std::make_unique<Access>(token, options.address, acceptor.local_endpoint().port());
+                Location::place(fmt::format("127.0.0.1:{}", options.port)));
+  access = std::make_unique<Access>(token, acceptor.local_endpoint().port());
 }
 
 asio::awaitable<void> Server::Impl::accept() {
   while (acceptor.is_open()) {
     error_code failed;
     tcp::socket socket = co_await acceptor.async_accept(asio::redirect_error(asio::use_awaitable, failed));
-    if (failed) continue;
+    if (failed) {  // too many descriptors, for example: waits until some may be free
+      asio::steady_timer pause(io, std::chrono::milliseconds(100));
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, failed));
+      continue;
+    }
+    if (connections >= options.connection_limit) continue;  // closes the socket
     socket.set_option(tcp::no_delay(true), failed);
-    asio::co_spawn(io, serve(beast::tcp_stream(std::move(socket))), asio::detached);
+    ++connections;
+    asio::co_spawn(io, serve(beast::tcp_stream(std::move(socket))),
+                   [this](const std::exception_ptr&) { --connections; });
   }
 }
 
 Response Server::Impl::find_file(const Request& request, const Target& target) const {
   if (request.method() != http::verb::get && request.method() != http::verb::head)
     return refuse(request, http::status::method_not_allowed, "only GET is answered here");
-  const bool is_front = target.path == "/";
-  if (is_front && !access->allows_token(target.field("token")))
-    return refuse(request, http::status::forbidden,
-                  "This address lacks its token. Open the whole address that meshgraft printed.");
-  const std::string path = is_front ? "/index.html" : target.path;
+  if (target.path == "/session")
+    return access->allows_token(target.field("token"))
+               ? refuse(request, http::status::upgrade_required, "This is the address of a WebSocket.")
+               : refuse(request, http::status::forbidden, "The token is wrong.");
+  const std::string path = target.path == "/" ? "/index.html" : target.path;
   const auto file = std::find_if(page.begin(), page.end(), [&](const PageFile& f) { return f.path == path; });
   if (file == page.end()) return refuse(request, http::status::not_found, "There is no such file.");
   return respond(request, http::status::ok, file->content_type, file->bytes);
@@ -291,7 +341,17 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
                   fmt::format("Files of more than {} MB are not taken: open them from the folder they are in.",
                               options.upload_limit / 1'000'000));
   };
-  if (head.content_length() && *head.content_length() > options.upload_limit) co_return too_large();
+  const std::uint64_t announced = head.content_length().value_or(0);
+  if (announced > options.upload_limit) co_return too_large();
+  const auto no_room = [&] {
+    return refuse(
+        request, http::status::insufficient_storage,
+        fmt::format("The files that were dropped onto the page take more than {} MB together: open further "
+                    "ones from the folder they are in.",
+                    options.uploads_limit / 1'000'000));
+  };
+  if (uploaded_bytes + std::max<std::uint64_t>(announced, 1) > options.uploads_limit) co_return no_room();
+  uploaded_bytes += announced;
 
   const std::filesystem::path path = new_upload(target.field("name"));
   http::request_parser<http::file_body> parser(std::move(head));
@@ -300,13 +360,15 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
   buffer.reserve(std::size_t{1} << 16);  // the buffer's capacity limits each read
   parser.get().body().open(path.c_str(), beast::file_mode::write_new, failed);
   while (!failed && !parser.is_done()) {
-    stream.expires_after(patience);
+    stream.expires_after(options.patience);
     co_await http::async_read_some(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));
   }
   parser.get().body().close();
+  std::error_code ignored;
+  const std::uint64_t bytes = failed ? 0 : std::filesystem::file_size(path, ignored);
+  uploaded_bytes = uploaded_bytes - announced + bytes;
   if (!failed)
     co_return respond(request, http::status::ok, "text/plain; charset=utf-8", path.filename().string());
-  std::error_code ignored;
   std::filesystem::remove(path, ignored);
   if (failed == http::error::body_limit) co_return too_large();
   co_return refuse(request, http::status::insufficient_storage,
@@ -325,7 +387,7 @@ Response Server::Impl::open_session_refusal(const Request& request, const Target
 
 asio::awaitable<void> Server::Impl::talk(beast::tcp_stream stream, const Request& request) {
   stream.expires_never();
-  const auto connection = Connection::make(io, std::move(stream));
+  const auto connection = Connection::make(io, std::move(stream), options.queue_limit);
   Socket& socket = connection->socket();
   socket.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
   socket.read_message_max(options.message_limit);
@@ -355,7 +417,7 @@ asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
     http::request_parser<http::empty_body> parser;
     parser.header_limit(header_limit);
     parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // the reader of the body sets a limit
-    stream.expires_after(patience);
+    stream.expires_after(options.patience);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));
     if (failed == http::error::end_of_stream || failed == beast::error::timeout) break;
     const Request request = parser.get();
@@ -388,7 +450,7 @@ asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
       response = refuse(request, http::status::bad_request, error.what());
     }
     goes_on = response.keep_alive();
-    stream.expires_after(patience);
+    stream.expires_after(options.patience);
     co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, failed));
     if (failed) break;
   }
@@ -407,7 +469,8 @@ Server::Server(ServerOptions options, std::span<const PageFile> page, MakeSessio
 Server::~Server() = default;
 
 std::string Server::url() const {
-  return fmt::format("http://{}:{}/?token={}", impl_->options.address, port(), impl_->token);
+  const bool is_v6 = impl_->acceptor.local_endpoint().address().is_v6();
+  return fmt::format("http://{}:{}/?token={}", is_v6 ? "[::1]" : "127.0.0.1", port(), impl_->token);
 }
 
 std::uint16_t Server::port() const { return impl_->acceptor.local_endpoint().port(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -44,28 +45,33 @@ class PageSession {
 };
 
 struct ServerOptions {
-  std::string address = "127.0.0.1";
-  std::uint16_t port = 0;                               ///< 0: any free port
-  bool or_free_port = false;                            ///< use any free port if `port` is taken
-  std::size_t message_limit = 64u << 20;                ///< bytes of a message from the page
-  std::uint64_t upload_limit = std::uint64_t{1} << 30;  ///< bytes of a file from the page
-  std::size_t page_limit = 32;                          ///< pages open at the same time
-  std::filesystem::path upload_folder;                  ///< for uploads; empty: uploads are refused
+  std::uint16_t port = 0;                          ///< 0: any free port
+  bool or_free_port = false;                       ///< use any free port if `port` is taken
+  std::size_t message_limit = 64u << 20;           ///< bytes of a message from the page
+  std::size_t queue_limit = std::size_t{1} << 31;  ///< bytes that wait for a tab; above, it is disconnected
+  std::uint64_t upload_limit = std::uint64_t{1} << 30;   ///< bytes of a file from the page
+  std::uint64_t uploads_limit = std::uint64_t{8} << 30;  ///< bytes of all files from pages
+  std::size_t page_limit = 32;                           ///< pages open at the same time
+  std::size_t connection_limit = 256;                    ///< connections at the same time; others are closed
+  std::chrono::milliseconds patience = std::chrono::seconds(30);  ///< with a request that makes no progress
+  std::filesystem::path upload_folder;                            ///< for uploads; empty: uploads are refused
 };
 
-/// Serves one page, and a WebSocket to each tab that shows it, over HTTP on one address. All requests need
-/// the server's own Host. The front page, the WebSocket and uploads need the token of `url()`. The WebSocket
-/// and uploads also need the server's own Origin. Other requests are answered with 403. Malformed and
-/// oversized requests are answered, and the server continues.
+/// Serves one page, and a WebSocket to each tab that shows it, over HTTP on this machine's loopback address.
+/// All requests need the server's own Host. The WebSocket and uploads need the token of `url()` and the
+/// server's own Origin. The page's files need no token: they are those of the program, the same for everybody.
+/// Other requests are answered with 403. Malformed and oversized requests are answered, and the server
+/// continues.
 ///
-///   GET /?token=T, GET /assets/…     the page's files
-///   GET /session?token=T             the WebSocket
+///   GET /, GET /assets/…             the page's files
+///   GET /session?token=T             the WebSocket; without an upgrade, 426 for a valid token
 ///   POST /upload?token=T&name=NAME   a file into `upload_folder`; answers its path there
 class Server {
  public:
   using MakeSession = std::function<std::unique_ptr<PageSession>(std::shared_ptr<Channel>)>;
 
-  /// Binds the address. Throws Error(io) with the id server.address_not_taken if it cannot be bound.
+  /// Binds 127.0.0.1, or ::1 on a machine without IPv4. Throws Error(io) with the id server.address_not_taken
+  /// if it cannot be bound.
   Server(ServerOptions options, std::span<const PageFile> page, MakeSession make_session);
   ~Server();
   Server(const Server&) = delete;

@@ -156,6 +156,35 @@ TEST_F(CommandLine, EditServesUntilCtrlC) {
   EXPECT_EQ(WEXITSTATUS(status), 0);
   EXPECT_EQ(run("edit missing.ply --no-browser").status, 5);
 }
+
+// Everybody on the machine may read the arguments and names of processes.
+TEST_F(CommandLine, EditKeepsItsTokenFromOtherUsers) {
+  std::filesystem::create_directory(folder_ / "bin");
+  write("bin/xdg-open", "#!/bin/sh\ncp \"$1\" .page && stat -c %a \"$1\" > .mode && echo \"$1\" > .opened\n");
+  std::filesystem::permissions(folder_ / "bin/xdg-open", std::filesystem::perms::owner_all);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const std::string path = (folder_ / "bin").string() + ":" + std::getenv("PATH");
+    if (chdir(folder_.c_str()) != 0 || !std::freopen(".out", "w", stdout)) _exit(99);
+    setenv("PATH", path.c_str(), 1);
+    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "edit", "--port", "0", "sheet.obj", nullptr);
+    _exit(99);
+  }
+  for (int waits = 0; waits < 1000 && read_text(folder_ / ".opened").empty(); ++waits)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::string name = read_text("/proc/" + std::to_string(child) + "/comm");
+  const std::string url = read_text(folder_ / ".out"), opened = read_text(folder_ / ".opened");
+  kill(child, SIGINT);
+  waitpid(child, nullptr, 0);
+  const std::string token = url.substr(url.find("token=") + 6, 32);
+  EXPECT_EQ(token.size(), 32u);
+  EXPECT_EQ(opened.find(token), std::string::npos) << opened;
+  EXPECT_NE(read_text(folder_ / ".page").find(token), std::string::npos);
+  EXPECT_EQ(read_text(folder_ / ".mode"), "600\n");
+  EXPECT_FALSE(std::filesystem::exists(opened.substr(0, opened.find('\n')))) << "removed at the end";
+  if (!name.empty()) EXPECT_EQ(name, "meshgraft\n");
+}
 #endif
 
 TEST_F(CommandLine, OutputsAreToldApartHoweverTheyAreSpelled) {

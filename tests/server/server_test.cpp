@@ -2,9 +2,12 @@
 #include "server/server.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <condition_variable>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -188,9 +191,11 @@ http::status ask_for_session(const Running& server, const std::string& token, co
       .status;
 }
 
-TEST(Server, ServesThePageToWhoHasItsToken) {
+// The page's files are the same for everybody.
+TEST(Server, ServesThePage) {
   const Running server;
   const std::string target = "/?token=" + server.token();
+  EXPECT_EQ(ask(server, {.target = "/"}).body, "<p>the page</p>");
   EXPECT_EQ(ask(server, {.target = target}).body, "<p>the page</p>");
   EXPECT_EQ(ask(server, {.target = "/assets/page.js"}).body, "let x = 1;");
   EXPECT_EQ(ask(server, {.method = http::verb::head, .target = target}).status, http::status::ok);
@@ -209,9 +214,11 @@ TEST(Server, RefusesWhoHasNoToken) {
   const Running server;
   std::string wrong = server.token();
   wrong.back() = wrong.back() == '0' ? '1' : '0';
-  for (const std::string& target : {std::string("/"), "/?token=" + wrong, std::string("/?token="),
-                                    "/?token=" + server.token() + "0", "/?tokens=" + server.token()})
+  for (const std::string& target :
+       {std::string("/session"), "/session?token=" + wrong, std::string("/session?token="),
+        "/session?token=" + server.token() + "0", "/session?tokens=" + server.token()})
     EXPECT_EQ(ask(server, {.target = target}).status, http::status::forbidden) << target;
+  EXPECT_EQ(ask(server, {.target = "/session?token=" + server.token()}).status, http::status::upgrade_required);
   EXPECT_EQ(ask_for_session(server, wrong, "http://" + server.host()), http::status::forbidden);
   EXPECT_EQ(server.sessions.made, 0);
 }
@@ -235,7 +242,7 @@ TEST(Server, RefusesOtherHostsAndOrigins) {
 TEST(Server, KnowsNoFilesButThePages) {
   const Running server;
   for (const char* target : {"/etc/passwd", "/../../etc/passwd", "/assets/../index.html", "/%2e%2e/etc/passwd",
-                             "/assets/page.js%00", "/session", "//index.html"})
+                             "/assets/page.js%00", "/sessions", "//index.html"})
     EXPECT_EQ(ask(server, {.target = target}).status, http::status::not_found) << target;
   EXPECT_EQ(ask(server, {.method = http::verb::delete_, .target = "/index.html"}).status,
             http::status::method_not_allowed);
@@ -335,6 +342,65 @@ TEST(Server, DropsSupersededMessages) {
   EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end()));
 }
 
+TEST(Server, DisconnectsATabForWhichTooMuchWaits) {
+  ServerOptions options;
+  options.queue_limit = std::size_t{1} << 20;
+  Running server(options);
+  Tab slow(server);
+  server.sessions.wait_for_open(1);
+  const std::shared_ptr<Channel> channel = server.sessions.channels.front();
+  const auto parts = std::make_shared<const ByteParts>(1, std::vector<std::byte>(std::size_t{1} << 19));
+  for (int message = 0; message < 200; ++message) channel->send_bytes(parts);  // more than sockets buffer
+  server.sessions.wait_for_open(0);
+  Tab next(server);
+  EXPECT_TRUE(next.is_open());
+}
+
+TEST(Server, ClosesConnectionsBeyondItsLimit) {
+  ServerOptions options;
+  options.connection_limit = 2;
+  options.patience = 200ms;
+  const Running server(options);
+  asio::io_context io;
+  std::vector<tcp::socket> idle;
+  for (int k = 0; k < 2; ++k) idle.push_back(connect_to(io, server.port()));
+  tcp::socket third = connect_to(io, server.port());
+  char byte = 0;
+  beast::error_code ended;
+  third.read_some(asio::buffer(&byte, 1), ended);
+  EXPECT_TRUE(ended);
+  // Idle connections are closed, too, and leave room for others.
+  for (tcp::socket& socket : idle) {
+    beast::error_code closed;
+    socket.read_some(asio::buffer(&byte, 1), closed);
+    EXPECT_EQ(closed, asio::error::eof);
+  }
+  EXPECT_EQ(ask(server, {.target = "/"}).status, http::status::ok);
+}
+
+// A loop that tries again at once takes a whole processor.
+TEST(Server, WaitsWhereDescriptorsRunOut) {
+  const Running server;
+  asio::io_context io;
+  tcp::socket waiting(io, tcp::v4());  // needs no descriptor later
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int lowest_free = ::dup(0);
+  ::close(lowest_free);
+  const rlimit none{static_cast<rlim_t>(lowest_free), before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const std::clock_t start = std::clock();
+  waiting.connect({asio::ip::address_v4::loopback(), server.port()});
+  std::this_thread::sleep_for(500ms);
+  const double processor_seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_LT(processor_seconds, 0.2);
+  asio::write(waiting, asio::buffer("GET / HTTP/1.1\r\nHost: " + server.host() + "\r\n\r\n"));
+  std::string answer(12, '\0');
+  asio::read(waiting, asio::buffer(answer));
+  EXPECT_EQ(answer, "HTTP/1.1 200");
+}
+
 TEST(Server, StopsWithTabsOpen) {
   Running server;
   Tab first(server), second(server);
@@ -415,6 +481,20 @@ TEST_F(Uploads, ThatAreTooLargeLeaveNothing) {
   send_raw(server, head + "Content-Length: 1000\r\n\r\nnot so much");
   EXPECT_EQ(kept(), 1u);
   EXPECT_EQ(ask(server, upload(server, "next.ply", "x")).status, http::status::ok);
+}
+
+TEST_F(Uploads, TakeSoManyBytesTogetherAndNoMore) {
+  options_.uploads_limit = 3000;
+  const Running server(options_);
+  const std::string kilobyte(1000, 'x');
+  for (int k = 0; k < 2; ++k)
+    EXPECT_EQ(ask(server, upload(server, "a.ply", kilobyte)).status, http::status::ok);
+  const Answer refused = ask(server, upload(server, "a.ply", kilobyte + "x"));
+  EXPECT_EQ(refused.status, http::status::insufficient_storage);
+  EXPECT_NE(refused.body.find("from the folder they are in"), std::string::npos) << refused.body;
+  EXPECT_EQ(ask(server, upload(server, "a.ply", kilobyte)).status, http::status::ok);
+  EXPECT_EQ(ask(server, upload(server, "a.ply", "x")).status, http::status::insufficient_storage);
+  EXPECT_EQ(kept(), 3u);
 }
 
 TEST(Server, AnAddressThatIsTakenIsNamed) {

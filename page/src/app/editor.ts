@@ -444,10 +444,10 @@ export class Editor {
     if (link === "lost") void this.checkToken();
   }
 
-  /** Checks whether the token is still valid. A WebSocket gives no reason for a refusal, but the front page does. */
+  /** Checks whether the token is still valid. A WebSocket gives no reason for a refusal, but a plain request does. */
   private async checkToken(): Promise<void> {
     try {
-      const answer = await fetch(`/?token=${encodeURIComponent(this.token)}`, { cache: "no-store" });
+      const answer = await fetch(`/session?token=${encodeURIComponent(this.token)}`, { cache: "no-store" });
       this.expired.value = answer.status === 403;
     } catch {
       this.expired.value = false; // no server answers

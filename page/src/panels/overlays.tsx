@@ -114,7 +114,14 @@ export function LostConnection({ page }: { page: Page }) {
     <div class="lost" role="alertdialog" aria-label="The connection is lost">
       <div class="lost-card">
         <Icon name="warning" size={30} />
-        {editor.expired.value ? (
+        {editor.token === "" ? (
+          <>
+            <h2>The address is not complete</h2>
+            <p>
+              It lacks its token. Open the whole address that <code>meshgraft edit</code> printed.
+            </p>
+          </>
+        ) : editor.expired.value ? (
           <>
             <h2>The engine was started again</h2>
             <p>

@@ -62,6 +62,25 @@ test("an engine that is killed: the page says so, and the next one offers to res
   }
 });
 
+test("the token leaves the address and the history, and a reload still has it", async () => {
+  const harness = await EditorHarness.open();
+  const { page } = harness.user;
+  try {
+    expect(new URL(harness.engine.url).searchParams.get("token")).toMatch(/^[0-9a-f]{32}$/);
+    expect(page.url()).toBe(`${new URL(harness.engine.url).origin}/`);
+    const isConnected = () => page.waitForFunction(() => window.meshgraft.editor.link.value === "open");
+    await isConnected();
+    await page.reload();
+    await isConnected();
+    await page.evaluate(() => sessionStorage.clear());
+    await page.reload();
+    await page.getByText("The address is not complete").waitFor();
+    await harness.user.screenshot("panels-without-token");
+  } finally {
+    await harness.close();
+  }
+});
+
 test("a page that is loaded again has what it had, with all changes", async () => {
   const harness = await EditorHarness.open();
   const { user, folder } = harness;

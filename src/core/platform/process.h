@@ -11,8 +11,9 @@ bool set_environment_variable(const char* name, const std::string& value);
 /// `main`. Returns only if the system cannot do that.
 void restart_program(char** arguments);
 
-/// Opens `url` in the user's browser, if there is one. Prints nothing.
-void open_in_browser(const std::string& url);
+/// Opens a web page, a URL or a file, in the user's browser, if there is one. Prints nothing. Everybody on the
+/// machine may read what is passed.
+void open_in_browser(const std::string& page);
 
 /// Makes a write to a closed pipe, or beyond the file size limit, fail with an error. By default the system
 /// may end the program.

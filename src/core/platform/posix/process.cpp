@@ -7,6 +7,8 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <system_error>
 
 extern char** environ;  // some systems declare it in no header
 
@@ -18,15 +20,19 @@ bool set_environment_variable(const char* name, const std::string& value) {
 
 void restart_program([[maybe_unused]] char** arguments) {
 #ifdef __linux__
+  // By its own path, so that the process keeps its name; by the link where the file was replaced meanwhile.
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (!error) ::execv(program.c_str(), arguments);
   ::execv("/proc/self/exe", arguments);
 #endif
 }
 
-void open_in_browser(const std::string& url) {
+void open_in_browser(const std::string& page) {
 #ifdef __APPLE__
-  std::string program = "open", argument = url;
+  std::string program = "open", argument = page;
 #else
-  std::string program = "xdg-open", argument = url;
+  std::string program = "xdg-open", argument = page;
 #endif
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
