@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/repair.h>
+
+#include "command_line.h"
+#include "mesh/shapes.h"
+#include "support/defects.h"
+
+namespace meshgraft::test {
+namespace {
+
+using nlohmann::json;
+
+// A check names whatever a repair would change, and whatever keeps a deformation from working.
+TEST_F(CommandLine, CheckNamesWhatARepairChanges) {
+  std::vector<DirtyScan> meshes = dirty_scans();
+  meshes.push_back({"t_junctions", "", with_t_junctions(shapes::torus(40, 20, true), 3, 1)});
+  meshes.push_back({"floating_bits", "", with_floating_bits(shapes::torus(40, 20, true), 2, 1)});
+  meshes.push_back({"noisy_soup", "", with_noise(as_soup(shapes::torus(40, 20, true)), 1e-8, 1)});
+  meshes.push_back({"clean", "", shapes::torus(40, 20, true)});
+  for (const DirtyScan& scan : meshes) {
+    SCOPED_TRACE(scan.name);
+    write_mesh(scan.mesh, folder_ / "scan.ply");
+    const Outcome check = run("check scan.ply --json");
+    const json checked = json::parse(check.out);
+    const json repaired = json::parse(run("repair scan.ply --dry-run --json").out);
+    bool mends = false;
+    std::vector<std::string> named, changed;
+    for (const json& change : checked["repair"]) {
+      named.push_back(change["name"]);
+      mends |= !change["choice"].get<bool>();
+    }
+    for (const json& change : repaired["changes"]) changed.push_back(change["name"]);
+    EXPECT_EQ(named, changed);
+    const bool has_defects = std::ranges::any_of(
+        checked["findings"], [](const json& finding) { return finding["name"] != "polygon"; });
+    EXPECT_EQ(check.status, mends || has_defects ? 3 : 0) << check.out;
+    if (!try_deform(scan.mesh).works) {
+      EXPECT_EQ(check.status, 3);
+      EXPECT_TRUE(try_deform(repair(scan.mesh).mesh).works) << try_deform(repair(scan.mesh).mesh).reason;
+    }
+  }
+  EXPECT_EQ(run("check scan.ply").status, 0);
+}
+
+// Openings may be meant, and intersections keep no command from working.
+TEST_F(CommandLine, CheckTellsOfOpeningsAndIntersections) {
+  write_mesh(without_faces(shapes::torus(40, 20, true), 1, 0, 1), folder_ / "open.ply");
+  const Outcome open = run("check open.ply");
+  EXPECT_EQ(open.status, 0) << open.out;
+  EXPECT_NE(open.out.find("filled-hole"), std::string::npos) << open.out;
+  Mesh moved = shapes::torus(40, 20, true);
+  moved.positions.col(0).array() += 0.3;
+  write_mesh(both(shapes::torus(40, 20, true), moved), folder_ / "two.ply");
+  const Outcome two = run("check two.ply");
+  EXPECT_EQ(two.status, 0) << two.out;
+  EXPECT_NE(two.out.find("pairs of triangles of the surface intersect"), std::string::npos) << two.out;
+  EXPECT_NE(two.out.find("each of the 2 components"), std::string::npos) << two.out;
+  EXPECT_GT(json::parse(run("check two.ply --json").out)["self_intersections"], 10);
+}
+
+}  // namespace
+}  // namespace meshgraft::test
