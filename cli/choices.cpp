@@ -75,4 +75,13 @@ CLI::Option* add_threads(CLI::App& command, int& threads) {
       ->check(whole_number_from(1, 1024));
 }
 
+CLI::Option* add_memory(CLI::App& command, std::uint64_t& bytes) {
+  return command
+      .add_option_function<std::uint64_t>(
+          "--memory", [&bytes](std::uint64_t megabytes) { bytes = megabytes * 1'000'000; },
+          "The most memory that reading a file may take, in MB (default: three quarters of what there is)")
+      ->type_name("MB")
+      ->check(whole_number_from(1, 1'000'000'000));
+}
+
 }  // namespace meshgraft::cli

@@ -40,4 +40,7 @@ CLI::Validator whole_number_from(int least, int most);
 /// Adds `--threads N`.
 CLI::Option* add_threads(CLI::App& command, int& threads);
 
+/// Adds `--memory`, in bytes here and MB on the command line; 0 without it, as in Context.
+CLI::Option* add_memory(CLI::App& command, std::uint64_t& bytes);
+
 }  // namespace meshgraft::cli

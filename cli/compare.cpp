@@ -29,6 +29,7 @@ struct CompareArguments {
   std::filesystem::path edit, folder;
   std::string methods;  // separated by commas; empty = all
   int threads = 0;
+  std::uint64_t memory = 0;
   bool json = false;
 #ifdef MESHGRAFT_HAS_RENDER
   View view{.width = 800, .height = 600};
@@ -196,6 +197,7 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
 
 void run_compare(const CompareArguments& arguments, Context context) {
   context.threads = arguments.threads;
+  context.memory = arguments.memory;
   const std::vector<Method> methods = methods_of(arguments.methods);
   const EditFile edit = read_edit_file(arguments.edit);
   const bool ends_in_slash = !arguments.folder.has_filename();
@@ -229,6 +231,7 @@ void add_compare(CLI::App& program, Action& action) {
   for (CLI::Option* option : add_view(*command, arguments->view)) option->needs(folder);
 #endif
   add_threads(*command, arguments->threads);
+  add_memory(*command, arguments->memory);
   command->add_flag("--json", arguments->json, "Print JSON instead of the table");
   command->footer(
       "Example:\n  meshgraft compare examples/octopus_wave.json --methods corotational,ft05,arap-2007 -o "

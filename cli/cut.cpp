@@ -35,6 +35,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CutArguments {
+  std::uint64_t memory = 0;
   std::filesystem::path mesh, output, report, picture;
   std::string plane, loop;
   std::optional<CutKeep> keep;
@@ -226,7 +227,8 @@ WrittenCut write_outputs(const CutArguments& arguments, const SoundMesh& usable,
   const WriteResult written = write_mesh(result.mesh, arguments.output, {}, context);
   WrittenCut outputs;
   for (const std::filesystem::path& file : written.files) outputs.files.push_back(file.string());
-  outputs.notes = written.notes;
+  outputs.notes = notes_on_files(usable.mesh());
+  outputs.notes.insert(outputs.notes.end(), written.notes.begin(), written.notes.end());
   if (const std::optional<Note> note = usable.note()) outputs.notes.push_back(*note);
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
@@ -237,7 +239,8 @@ WrittenCut write_outputs(const CutArguments& arguments, const SoundMesh& usable,
   return outputs;
 }
 
-void run_cut(const CutArguments& arguments, const Context& context) {
+void run_cut(const CutArguments& arguments, Context context) {
+  context.memory = arguments.memory;
   const CutAlong asked = along(arguments);
   check_outputs(arguments);
   context.step("read");
@@ -302,6 +305,7 @@ void add_cut(CLI::App& program, Action& action) {
   command->footer(
       "Examples:\n  meshgraft cut horse.ply --plane y=0.4 --keep above -o head.ply\n"
       "  meshgraft cut horse.ply --loop 100,250,371 -o parts.ply --report parts.json");
+  add_memory(*command, arguments->memory);
   command->callback(
       [arguments, &action] { action = [arguments](const Context& context) { run_cut(*arguments, context); }; });
 }

@@ -173,6 +173,7 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
       ->default_str("edit");
   add_overrides(command, arguments);
   add_threads(command, arguments.threads);
+  add_memory(command, arguments.memory);
   command.add_option("--report", arguments.report, "Write what was done, with measures of quality, as JSON")
       ->type_name("FILE");
 #ifdef MESHGRAFT_HAS_RENDER
@@ -184,6 +185,7 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
 
 void run_edit_file(const EditRunArguments& arguments, Context context) {
   context.threads = arguments.threads;
+  context.memory = arguments.memory;
   const EditFile edit = read_edit_file(arguments.edit);
   const std::vector<Save> saves = saves_of(arguments, edit);
   check_outputs(arguments, saves, edit);

@@ -26,6 +26,7 @@ struct EditRunArguments {
   std::vector<Note> notes;  ///< about values that are read as other ones
   std::optional<std::string> morph_target;
   int threads = 0;
+  std::uint64_t memory = 0;  ///< of files, bytes
   bool json = false;
   bool force = false;
 };

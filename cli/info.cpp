@@ -16,9 +16,11 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/report.h>
 
+#include "choices.h"
 #include "commands.h"
 #include "findings.h"
 #include "loops.h"
+#include "script/fact_json.h"
 #include "wording.h"
 
 namespace meshgraft::cli {
@@ -30,6 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t shown_loops = 12;
 
 struct InfoArguments {
+  std::uint64_t memory = 0;
   std::filesystem::path mesh;
   bool json = false;
 };
@@ -197,11 +200,13 @@ Json facts_json(const std::filesystem::path& path, const MeshFacts& facts) {
       has_box(facts) ? Json{{"min", point_json(facts.low)}, {"max", point_json(facts.high)}} : Json(nullptr);
   json["unit"] = unit_of(facts.mesh).empty() ? Json(nullptr) : Json(unit_of(facts.mesh));
   json["attributes"] = attributes;
+  json["notes"] = to_json(notes_on_files(facts.mesh), text_of);
   json["findings"] = Json::parse(write_diagnostics(facts.diagnostics, text_of));
   return json;
 }
 
-void run_info(const InfoArguments& arguments, const Context& context) {
+void run_info(const InfoArguments& arguments, Context context) {
+  context.memory = arguments.memory;
   const MeshFacts facts = gather(arguments.mesh, context);
   if (arguments.json) {
     fmt::print("{}\n", facts_json(arguments.mesh, facts).dump(2, ' ', false, Json::error_handler_t::replace));
@@ -212,6 +217,7 @@ void run_info(const InfoArguments& arguments, const Context& context) {
   print_box(facts);
   print_attributes(facts.mesh);
   print_findings(facts.diagnostics, "findings");
+  for (const Note& note : notes_on_files(facts.mesh)) line("note", sentence(note));
 }
 
 }  // namespace
@@ -225,6 +231,7 @@ void add_info(CLI::App& program, Action& action) {
   command->add_option("mesh", arguments->mesh, "The mesh file")->required()->type_name("MESH");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->footer("Example:\n  meshgraft info horse.ply");
+  add_memory(*command, arguments->memory);
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_info(*arguments, context); };
   });

@@ -56,6 +56,7 @@ struct MergeArguments {
   View view{.width = 640, .height = 640};
 #endif
   int threads = 0;
+  std::uint64_t memory = 0;
   bool json = false;
   bool force = false;
 
@@ -295,6 +296,7 @@ void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditRe
 
 void run_merge(const MergeArguments& arguments, Context context) {
   context.threads = arguments.threads;
+  context.memory = arguments.memory;
   EditFile edit;
   EditResult result;
   try {
@@ -397,6 +399,7 @@ void add_common_options(CLI::App& command, MergeArguments& arguments) {
   add_picture(command, arguments.picture, arguments.view, "Write a PNG of target, source and result");
 #endif
   add_threads(command, arguments.threads);
+  add_memory(command, arguments.memory);
   command.add_flag("--force,--in-place", arguments.force, "Allow the output to replace an input mesh");
   command.add_flag("--json", arguments.json, "Print the report instead of a summary");
 }

@@ -22,6 +22,7 @@ struct RenderArguments {
   View view;
   bool wireframe = false, flat = false, no_ground = false;
   int threads = 0;
+  std::uint64_t memory = 0;
 };
 
 render::RenderOptions render_options_of(const RenderArguments& arguments) {
@@ -34,6 +35,7 @@ render::RenderOptions render_options_of(const RenderArguments& arguments) {
 
 void run_render(const RenderArguments& arguments, Context context) {
   context.threads = arguments.threads;
+  context.memory = arguments.memory;
   require_png(arguments.output);
   require_writable(arguments.output);
   const render::RenderOptions options = render_options_of(arguments);
@@ -66,6 +68,7 @@ void add_render(CLI::App& program, Action& action) {
   command->add_flag("--flat", arguments->flat, "Shade every face by its own normal");
   command->add_flag("--no-ground", arguments->no_ground, "Leave the shadow on the ground out");
   add_threads(*command, arguments->threads);
+  add_memory(*command, arguments->memory);
   command->footer("Example:\n  meshgraft render before.ply after.ply -o picture.png");
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_render(*arguments, context); };

@@ -32,6 +32,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RepairArguments {
+  std::uint64_t memory = 0;
   std::filesystem::path mesh, output, report, picture;
   // The steps that the command line switches off, and the values that it sets.
   bool no_clean = false, no_weld = false, keep_shells = false, keep_debris = false, no_split = false,
@@ -139,7 +140,7 @@ void write_repair_outputs(const RepairArguments& arguments, [[maybe_unused]] con
   if (!arguments.dry_run) {
     const WriteResult mesh = write_mesh(result.mesh, arguments.output, {}, context);
     for (const std::filesystem::path& file : mesh.files) written.files.push_back(file.string());
-    written.notes = mesh.notes;
+    written.notes.insert(written.notes.end(), mesh.notes.begin(), mesh.notes.end());
   }
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
@@ -160,7 +161,8 @@ void check_repair_outputs(const RepairArguments& arguments) {
 #endif
 }
 
-void run_repair(const RepairArguments& arguments, const Context& context) {
+void run_repair(const RepairArguments& arguments, Context context) {
+  context.memory = arguments.memory;
   check_repair_outputs(arguments);
   context.step("read");
   const Mesh given = read_mesh(arguments.mesh, context);
@@ -170,6 +172,7 @@ void run_repair(const RepairArguments& arguments, const Context& context) {
     throw Error(facts::cli::NoFacesLeft{}, arguments.mesh);
   const Diagnostics left = check_mesh(result.mesh, context);
   WrittenRepair written;
+  written.notes = notes_on_files(given);
   write_repair_outputs(arguments, given, result, written, context);
   const auto dump = [&](bool with_maps) {
     return report_json(arguments, given, result, left, written, with_maps)
@@ -246,6 +249,7 @@ void add_repair(CLI::App& program, Action& action) {
   command->footer(
       "Examples:\n  meshgraft repair scan.ply --dry-run\n"
       "  meshgraft repair scan.ply -o clean.ply --fill-holes 60 --report repair.json");
+  add_memory(*command, arguments->memory);
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_repair(*arguments, context); };
   });

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <meshgraft/io/mesh_io.h>
+
 #include "editor/facts.h"
 
 namespace meshgraft::editor {
@@ -36,14 +38,16 @@ std::vector<Note> defect_notes(const MeshState& state, const std::filesystem::pa
   const std::string name = file.filename().string();
   if (state.mesh.face_count() == 0) return {facts::editor::NoSurface{.file = name}};
   if (const auto note = range_note(state.mesh.positions, name)) return {*note};
-  std::vector<Note> notes;
+  std::vector<Note> notes = notes_on_files(state.mesh);
+  const std::size_t before_findings = notes.size();
   for (const Finding& finding : state.diagnostics.findings)
     if (matters(finding)) notes.push_back(finding.note);
-  if (!notes.empty())
-    notes.insert(notes.begin(), facts::editor::Defects{.file = name,
-                                                       .path = file,
-                                                       .repaired = file.stem().string() + "_repaired" +
-                                                                   file.extension().string()});
+  if (notes.size() > before_findings)
+    notes.insert(
+        notes.begin() + static_cast<std::ptrdiff_t>(before_findings),
+        facts::editor::Defects{.file = name,
+                               .path = file,
+                               .repaired = file.stem().string() + "_repaired" + file.extension().string()});
   return notes;
 }
 

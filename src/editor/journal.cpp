@@ -11,10 +11,12 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/edit_file.h>
 
 #include "editor/facts.h"
 #include "folders.h"
 #include "io/file.h"
+#include "script/json_value.h"
 #include "script/sha256.h"
 #include "server/utf8.h"
 
@@ -72,7 +74,8 @@ bool take_line(const Json& line, std::optional<JournalContent>& content) {
   } else if (line.contains("document")) {
     history.add(change_of(line), line.at("document"));
   } else {
-    const Json patched = Json::parse(history.current()).patch(line.at("patch"));
+    const Json current = json::parse(history.current(), {}, edit_file_depth_limit);
+    const Json patched = current.patch(line.at("patch"));
     history.add(change_of(line), make_document(patched, {}).text);
   }
   ++content->changes;
@@ -98,7 +101,10 @@ std::optional<JournalContent> read_journal(std::string_view text) {
   std::size_t begin = 0;
   for (std::size_t end; (end = text.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
     try {
-      if (!take_line(Json::parse(text.substr(begin, end - begin)), content)) break;
+      // A line holds a document in a string, or a patch, whose values lie two levels deeper than in a document.
+      const std::string_view line = text.substr(begin, end - begin);
+      if (line.size() > edit_file_size_limit) break;
+      if (!take_line(json::parse(line, {}, edit_file_depth_limit + 2), content)) break;
     } catch (const std::exception&) {  // the lines before a damaged one count
       break;
     }

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "core/memory_budget.h"
 #include "io/file.h"
 #include "io/textures.h"
 
@@ -70,18 +74,50 @@ void add_corner_uv(BinaryMessage& message, const Object& object) {
   message.add("corner_uv", numbers);
 }
 
-// Returns the bytes of a texture image. Returns an empty string where it must not be read, cannot be read, or
-// exceeds the size limit.
-std::string picture_of(const MaterialTexture& texture, const Folders& folders) {
-  constexpr std::size_t most = std::size_t{1} << 28;
-  if (texture.file.empty()) return texture.bytes.size() <= most ? texture.bytes : std::string();
-  try {
-    const std::filesystem::path file = folders.inside(texture.file);
-    return std::filesystem::file_size(file) <= most ? read_file(file) : std::string();
-  } catch (const std::exception&) {
-    return {};  // the surface is shown without it
+/// Adds texture images to a message, each once though several materials show it.
+class PictureSender {
+ public:
+  PictureSender(BinaryMessage& message, const Folders& folders) : message_(message), folders_(folders) {}
+
+  /// Returns the number of the image in the message, from 1. Returns 0 where it must not be read, cannot be
+  /// read, or exceeds the size limit of one image or of all.
+  Index send(const MaterialTexture& texture) {
+    const auto [known, is_new] = numbers_.try_emplace({texture.file, texture.bytes.get()}, 0);
+    if (is_new) known->second = add(texture);
+    return known->second;
   }
-}
+
+  Index count() const { return count_; }
+
+ private:
+  Index add(const MaterialTexture& texture) {
+    try {
+      const std::string of_file = texture.file.empty() ? std::string() : read(texture.file);
+      const std::string& bytes = texture.bytes ? *texture.bytes : of_file;
+      if (bytes.empty()) return 0;
+      budget_.charge(bytes.size());
+      const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+      message_.add("picture", std::span(begin, bytes.size()), ++count_);
+      return count_;
+    } catch (const std::exception&) {
+      return 0;  // the surface is shown without it
+    }
+  }
+
+  std::string read(const std::filesystem::path& texture) const {
+    MemoryBudget one(most_bytes_of_one);
+    return read_file(folders_.inside(texture), one);
+  }
+
+  static constexpr std::uint64_t most_bytes_of_one = std::uint64_t{1} << 28,
+                                 most_bytes = std::uint64_t{1} << 29;
+
+  BinaryMessage& message_;
+  const Folders& folders_;
+  std::map<std::pair<std::filesystem::path, const std::string*>, Index> numbers_;
+  MemoryBudget budget_{most_bytes};
+  Index count_ = 0;
+};
 
 // Texture images of faces. The attribute `numbers` holds the index into `textures` per face; null: 0 for all
 // faces.
@@ -111,16 +147,10 @@ Pictures pictures_of(const Mesh& mesh) {
 // Adds texture images and, per triangle, the number of its image.
 void add_textures(BinaryMessage& message, const Object& object, const Folders& folders) {
   const auto [numbers, textures] = pictures_of(object.mesh());
+  PictureSender sender(message, folders);
   std::vector<Index> sent;  // number of the image in the message, or 0 where it cannot be shown
-  Index count = 0;
-  for (const MaterialTexture& texture : textures) {
-    const std::string bytes = picture_of(texture, folders);
-    sent.push_back(bytes.empty() ? 0 : ++count);
-    if (bytes.empty()) continue;
-    const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
-    message.add("picture", std::span(begin, bytes.size()), count);
-  }
-  if (count == 0) return;
+  for (const MaterialTexture& texture : textures) sent.push_back(sender.send(texture));
+  if (sender.count() == 0) return;
   std::vector<Index> pictures;
   for (const Index face : object.triangle_faces) {
     const double number = numbers == nullptr ? 0 : numbers->values[face];

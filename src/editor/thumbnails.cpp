@@ -1,6 +1,7 @@
 #include "thumbnails.h"
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <utility>
 
@@ -17,6 +18,32 @@ namespace meshgraft::editor {
 namespace {
 
 constexpr std::size_t most_waiting = 10'000;  // as many as a folder's list has entries
+constexpr auto most_time = std::chrono::seconds(20);
+constexpr std::uint64_t most_memory = std::uint64_t{2} << 30;  // of a file
+
+/// Requests a stop when another one is requested, or when a time has passed.
+class TimeLimit {
+ public:
+  TimeLimit(const std::stop_token& other, std::chrono::seconds time)
+      : forward_(other, Forward{&stop_}), timer_([this, time](const std::stop_token& over) {
+          std::unique_lock lock(mutex_);
+          changed_.wait_for(lock, over, time, [] { return false; });
+          if (!over.stop_requested()) stop_.request_stop();
+        }) {}
+
+  std::stop_token token() const { return stop_.get_token(); }
+
+ private:
+  struct Forward {
+    std::stop_source* stop;
+    void operator()() const { stop->request_stop(); }
+  };
+  std::stop_source stop_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::stop_callback<Forward> forward_;
+  std::jthread timer_;
+};
 
 #ifdef MESHGRAFT_HAS_RENDER
 // Renders a mesh in the page's first view: from the front and the side, with `y` or `z` up.
@@ -90,8 +117,10 @@ void Thumbnails::work(const std::stop_token& stop) {
 
 void Thumbnails::make(const Task& task, const std::stop_token& stop) {
   try {
+    const TimeLimit limit(stop, most_time);
     Context context;
-    context.stop_token = stop;
+    context.stop_token = limit.token();
+    context.memory = most_memory;
     const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, task.y_up, context);
     BinaryMessage message(MessageKind::thumbnail, {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
     message.add("png", picture);

@@ -1,5 +1,6 @@
 #include "file.h"
 
+#include <algorithm>
 #include <memory>
 #include <random>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
 #include "core/platform/file.h"
 #include "core/platform/memory.h"
 
@@ -42,6 +44,17 @@ Fact system_fault(Action action, const std::error_code& error) {
 
 void require(const std::error_code& error, const fs::path& path, Action action) {
   if (error) fail(path, action, error);
+}
+
+facts::io::Special special_of(fs::file_type type) {
+  if (type == fs::file_type::fifo) return facts::io::Special::pipe;
+  return type == fs::file_type::socket ? facts::io::Special::socket : facts::io::Special::device;
+}
+
+/// Refuses folders, pipes, devices and sockets.
+void require_regular(fs::file_type type, const fs::path& path) {
+  if (type == fs::file_type::directory) throw Error(facts::io::IsFolder{}, path);
+  if (type != fs::file_type::regular) throw Error(facts::io::NotAFile{.special = special_of(type)}, path);
 }
 
 /// Refuses empty names and names with a NUL character. Names from an edit file or a mesh may be anything.
@@ -133,11 +146,14 @@ class PendingFile::TemporaryFile {
 namespace {
 
 /// Writes directly to a pipe or a device, which has no old content to protect.
-void write_through(const fs::path& path, std::string_view content) {
+void write_through(const fs::path& path, std::string_view content, const std::stop_token& stop) {
   std::error_code error;
   File file(path, OpenMode::write, error);
+  if (error == std::errc::no_such_device_or_address) throw Error(facts::io::NobodyReads{}, path);
   require(error, path, Action::open_for_writing);
-  require(file.write(content), path, Action::write);
+  error = file.write(content, stop);
+  if (error == std::errc::operation_canceled) throw Error(facts::core::Cancelled{});
+  require(error, path, Action::write);
   require(file.close(), path, Action::write);
 }
 
@@ -173,8 +189,8 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
 PendingFile::PendingFile(PendingFile&&) noexcept = default;
 PendingFile::~PendingFile() = default;
 
-void PendingFile::appear() {
-  if (!temporary_) return write_through(target_, for_device_);
+void PendingFile::appear(const std::stop_token& stop) {
+  if (!temporary_) return write_through(target_, for_device_, stop);
   if (existing_ == Existing::refuse) {
     if (temporary_->become_new_target()) return;
     if (fs::exists(target_)) refuse_existing(path_);
@@ -204,29 +220,41 @@ fs::path follow_links(fs::path path) {
 }
 
 std::string read_file(const fs::path& path) {
+  MemoryBudget budget{Context{}};
+  return read_file(path, budget);
+}
+
+std::string read_file(const fs::path& path, MemoryBudget& budget) {
   require_name(path);
   std::error_code error;
+  if (const fs::file_type type = fs::status(path, error).type(); type == fs::file_type::socket)
+    require_regular(type, path);  // opening one fails
   File file(path, OpenMode::read, error);
   require(error, path, Action::open);
   const File::Status status = file.status(error);
   require(error, path, Action::read);
-  if (status.type == fs::file_type::directory) throw Error(facts::io::IsFolder{}, path);
+  require_regular(status.type, path);
+  try {
+    budget.charge(status.bytes);
+  } catch (const Error& over) {
+    throw over.at(path);
+  }
 
   // Reads by pieces through a buffer that stays in the cache. Resizing the string to its full size first
   // would fill all of it with zeros.
   constexpr std::size_t piece = std::size_t{1} << 17;
   const auto buffer = std::make_unique_for_overwrite<char[]>(piece);
   std::string content;
-  if (status.type == fs::file_type::regular) {
-    content.reserve(status.bytes);
-    platform::prefer_huge_pages(content.data(), content.capacity());
-  }
-  for (;;) {
-    const std::size_t count = file.read(buffer.get(), piece, error);
+  content.reserve(status.bytes);
+  platform::prefer_huge_pages(content.data(), content.capacity());
+  while (content.size() < status.bytes) {  // a file that grows meanwhile might never end
+    const std::size_t count =
+        file.read(buffer.get(), std::min<std::size_t>(piece, status.bytes - content.size()), error);
     require(error, path, Action::read);
-    if (count == 0) return content;
+    if (count == 0) break;
     content.append(buffer.get(), count);
   }
+  return content;
 }
 
 }  // namespace meshgraft

@@ -2,12 +2,14 @@
 
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <system_error>
 
 #include <meshgraft/core/error.h>
 
+#include "core/memory_budget.h"
 #include "io/facts.h"
 
 namespace meshgraft {
@@ -19,7 +21,11 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view c
 /// Follows the symbolic links of a path to their end, whether or not a file exists there.
 std::filesystem::path follow_links(std::filesystem::path path);
 
-/// Returns a whole file as bytes. Throws Error(io): io.file_not_found, io.is_folder, io.no_permission, ….
+/// Returns a whole file as bytes, as many as it had when it was opened. Pipes, devices and sockets are refused,
+/// because they may never end. Charges the bytes to the budget before it takes memory. Throws Error(io):
+/// io.file_not_found, io.is_folder, io.not_a_file, io.no_permission, …, and Error(memory).
+std::string read_file(const std::filesystem::path& path, MemoryBudget& budget);
+/// Reads a file with the default budget of a Context.
 std::string read_file(const std::filesystem::path& path);
 
 }  // namespace meshgraft
@@ -42,8 +48,9 @@ class PendingFile {
   ~PendingFile();
 
   /// Renames the file to the target, or links it for `refuse`. A replaced file keeps its permissions, and a
-  /// symbolic link keeps its target. Pipes and devices are written to at this point. Throws Error(io).
-  void appear();
+  /// symbolic link keeps its target. Pipes and devices are written to at this point. Throws Error(io), and
+  /// Error(cancelled) if a stop is requested while a pipe or a device takes no more.
+  void appear(const std::stop_token& stop = {});
 
  private:
   class TemporaryFile;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <meshgraft/core/error.h>
@@ -18,6 +19,9 @@ struct FileDocument : SourceDocument {
   /// Remembers the faces of the mesh, to decide later whether a mesh still belongs to this file.
   void remember_topology(const Mesh& mesh);
   bool has_topology_of(const Mesh& mesh) const;
+
+  /// Returns the name of the format, as in `Format`.
+  virtual std::string_view format() const = 0;
 
   /// Returns notes on the file's contents that neither the mesh nor its attributes hold, e.g. io.left_out. They
   /// are lost if the file is composed anew.

@@ -83,7 +83,8 @@ void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std
 
 Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
   context.step("read", 0);
-  std::string content = read_file(path);
+  MemoryBudget budget(context);
+  std::string content = read_file(path, budget);
   if (content.empty()) throw Error(facts::io::EmptyFile{}, path);
   const io::Format& format = format_of_content(content, path);
   Mesh mesh = format.read(std::move(content), path.string(), context);
@@ -111,9 +112,20 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
     result.files.push_back(companion.path);
   }
   files.emplace_back(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
-  for (io::PendingFile& file : files) file.appear();
+  for (io::PendingFile& file : files) file.appear(context.stop_token);
   context.step("write", 1);
   return result;
+}
+
+std::vector<Note> notes_on_files(const Mesh& mesh) {
+  std::vector<Note> notes;
+  for (const io::FileDocument* document : io::documents_of(mesh)) {
+    const io::Format* named = format_named_by(document->path);
+    if (named != nullptr && named->name != document->format())
+      notes.push_back(facts::io::OtherFormat{
+          .file = document->path.filename(), .format = document->format(), .named = named->name});
+  }
+  return notes;
 }
 
 std::string unit_of(const Mesh& mesh) {

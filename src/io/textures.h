@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,9 @@ struct MaterialTexture {
   /// this image; where there are several, their attribute "texnumber" is the index of their image, from 0.
   std::string material;
   std::filesystem::path file;  ///< image file; empty if the image is in `bytes` or missing
-  std::string bytes;           ///< a PNG, JPEG, … embedded in the mesh's own file
+  /// A PNG, JPEG, … embedded in the mesh's own file, shared by all materials that show it; null if there is
+  /// none.
+  std::shared_ptr<const std::string> bytes;
 };
 
 /// Returns the images of the mesh's materials, at most one each. The sources are `map_Kd` of an OBJ's

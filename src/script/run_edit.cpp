@@ -151,6 +151,7 @@ LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
     Stopwatch watch;
     context.step("read");
     Mesh mesh = load_input(input, edit, context);
+    for (const Note& note : notes_on_files(mesh)) inputs.notes.push_back(note);
     inputs.read_seconds += watch.lap();
     context.step("check");
     MeshState state = make_mesh_state(std::move(mesh), label_of(input), context);
@@ -169,6 +170,7 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   EditReport& report = result.report;
   report.edit = edit.location;
   report.notes = edit.notes;
+  report.notes.insert(report.notes.end(), inputs.notes.begin(), inputs.notes.end());
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;
   report.seconds.check = inputs.check_seconds;

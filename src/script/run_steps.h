@@ -35,6 +35,7 @@ struct MeshState {
 struct LoadedInputs {
   std::map<std::string, MeshState> states;  ///< by name
   std::vector<EditReport::Input> reports;
+  std::vector<Note> notes;  ///< on the files
   double read_seconds = 0, check_seconds = 0;
 };
 

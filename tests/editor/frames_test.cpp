@@ -61,18 +61,18 @@ TEST(Editor, SendsThePicturesOfItsFoldersAlone) {
   const auto put = [](const fs::path& file, const std::string& content) { std::ofstream(file) << content; };
   put(folder / "skin.png", "picture");
   put(other / "secret.png", "secret");
-  put(folder / "looks.mtl", "newmtl a\nmap_Kd skin.png\n");
+  put(folder / "looks.mtl", "newmtl a\nmap_Kd skin.png\nnewmtl c\nmap_Kd skin.png\n");
   put(folder / "model.obj",
       "mtllib looks.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
-      "usemtl a\nf 1/1 2/2 3/3 4/4\nusemtl b\nf 1/2 3/3 2/1\n");
+      "usemtl a\nf 1/1 2/2 3/3 4/4\nusemtl b\nf 1/2 3/3 2/1\nusemtl c\nf 1/1 2/2 4/4\n");
   const RunningEditor editor({folder.path()});
   Page page(editor.url());
   page.ask({{"do", "open"}, {"path", (folder / "model.obj").string()}});
   Frame frame = page.frame(1);
   EXPECT_EQ(frame.pictures, (std::map<int, std::string>{{1, "picture"}}));
-  EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0}));
+  EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0, 1})) << "one picture for both materials";
   const std::vector<float>& uv = frame.numbers["corner_uv"];
-  ASSERT_EQ(uv.size(), 18u);
+  ASSERT_EQ(uv.size(), 24u);
   for (std::size_t c = 0; c < 6; ++c) {  // the model's UVs equal its x and y
     const auto v = static_cast<std::size_t>(frame.indices["triangles"][c]);
     EXPECT_EQ(uv[2 * c], frame.numbers["positions"][3 * v] + 0.5F);

@@ -103,6 +103,24 @@ TEST(Journal, TellsDocumentsThatNameASolverAsItWasCalledBefore) {
   }
 }
 
+// Nesting without measure would end the program by its stack.
+TEST(Journal, EndsWhereItIsNestedTooDeep) {
+  const std::string first =
+      Json{{"format", "meshgraft-session"}, {"version", 1}, {"document", first_document().text}}.dump() + '\n';
+  const std::size_t depth = 100'000;
+  const std::string nested = std::string(depth, '[') + std::string(depth, ']');
+  const auto content = editor::read_journal(
+      first + R"({"label": "a", "patch": [{"op": "add", "path": "/steps/-", "value": )" + nested + "}]}\n");
+  ASSERT_TRUE(content.has_value());
+  EXPECT_EQ(content->changes, 0u);
+  EXPECT_EQ(content->valid_bytes, first.size());
+  const std::string deep =
+      Json{{"format", "meshgraft-session"}, {"version", 1}, {"document", nested}}.dump() + '\n';
+  const auto of_document = editor::read_journal(deep + R"({"label": "a", "patch": []})" + '\n');
+  ASSERT_TRUE(of_document.has_value());
+  EXPECT_EQ(of_document->changes, 0u);
+}
+
 TEST(Journal, EndsWhereItIsDamaged) {
   const Recorded recorded = record();
   const std::size_t second = recorded.text.find('\n') + 1;

@@ -189,10 +189,31 @@ TEST(GltfErrors, OfFilesBesideIt) {
   folder.file("short.bin", b.buffer.substr(0, 20));
   refuse("short.bin", "gltf.wrong_length", "buffers[0]: the buffer");
   std::filesystem::create_directory(folder / "sub");
-  refuse("sub", "gltf.buffer_not_a_file", "buffers[0].uri");
+  refuse("sub", "io.is_folder", "buffers[0].uri");
   folder.file("data.bin", b.buffer);
   EXPECT_EQ(folder.mesh("sub/a.gltf", b.gltf("../data.bin")).vertex_count(), 4);
   EXPECT_EQ(folder.mesh("a.gltf", b.gltf((folder / "data.bin").string())).vertex_count(), 4);
+}
+
+TEST(GltfErrors, AFileThatManyBuffersNameIsReadOnce) {
+  const TemporaryFolder folder;
+  GltfBuilder b = square();
+  b.buffer.resize(std::size_t{1} << 20, '\0');
+  folder.file("data.bin", b.buffer);
+  Json json = Json::parse(b.gltf("data.bin"));
+  for (int k = 1; k < 60; ++k) json["buffers"].push_back({{"byteLength", 4}, {"uri", "./data.bin"}});
+  const auto path = folder.file("a.gltf", json.dump());
+  Context context;
+  context.memory = std::uint64_t{3} << 20;
+  EXPECT_EQ(read_mesh(path, context).vertex_count(), 4);
+  for (int k = 1; k < 4; ++k) {
+    const std::string name = "more" + std::to_string(k) + ".bin";
+    folder.file(name.c_str(), b.buffer);
+    json["buffers"][static_cast<std::size_t>(k)]["uri"] = name;
+  }
+  folder.file("a.gltf", json.dump());
+  expect_error([&] { read_mesh(path, context); }, "core.over_budget",
+               {"a.gltf", "buffers[", "3 MB are allowed"});
 }
 
 TEST(GltfErrors, OfJsonText) {

@@ -1,11 +1,15 @@
+#include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <stop_token>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -60,6 +64,19 @@ TEST(MeshIo, TheContentsSignatureWinsOverTheExtension) {
                {"really_obj.ply", "line 1", "'ply'", "extension"});
 }
 
+TEST(MeshIo, AFileOfAnotherFormatThanItsNameSaysIsNoted) {
+  const TemporaryFolder folder;
+  const Mesh off = read_mesh(folder.file("head.stl", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  const std::vector<Note> notes = notes_on_files(off);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].id(), "io.other_format");
+  EXPECT_EQ(notes[0].get<std::string>("format"), "OFF");
+  EXPECT_EQ(notes[0].get<std::string>("named"), "STL");
+  for (const char* name : {"a.ply", "A.PLY"})
+    EXPECT_TRUE(notes_on_files(read_mesh(folder.file(name, triangle_ply))).empty());
+  EXPECT_TRUE(notes_on_files(triangle()).empty());
+}
+
 TEST(MeshIo, ExtensionsAreRecognisedInAnyCase) {
   const TemporaryFolder folder;
   EXPECT_EQ(folder.mesh("A.OBJ", triangle_obj).face_count(), 1);
@@ -87,6 +104,49 @@ TEST(MeshIo, FilesThatCannotBeReadAreNamed) {
     const auto empty = folder.file(name, "");
     expect_error([&] { read_mesh(empty); }, "io.empty_file", {name});
   }
+}
+
+// Reading from them might never end.
+TEST(MeshIo, PipesDevicesAndSocketsAreNotRead) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder / "pipe.ply", socket = folder / "socket.ply";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  ASSERT_EQ(::mknod(socket.c_str(), S_IFSOCK | 0600, 0), 0);
+  expect_error([&] { read_mesh(pipe); }, "io.not_a_file", {"pipe.ply", "a pipe"});
+  expect_error([&] { read_mesh(socket); }, "io.not_a_file", {"socket.ply", "a socket"});
+  expect_error([&] { read_mesh("/dev/zero"); }, "io.not_a_file", {"/dev/zero", "a device"});
+}
+
+TEST(MeshIo, APipeTakesAMeshOnceSomebodyReads) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder / "pipe.ply";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  expect_error([&] { write_mesh(triangle(), pipe); }, "io.nobody_reads", {"pipe.ply"});
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_mesh(triangle(), pipe);
+  std::string content(1000, '\0');
+  content.resize(
+      static_cast<std::size_t>(std::max<ssize_t>(::read(reader, content.data(), content.size()), 0)));
+  EXPECT_TRUE(content.starts_with("ply\n")) << content;
+
+  // The pipe is full, and nobody reads on.
+  const std::string longer(std::size_t{1} << 20, 'x');
+  io::PendingFile pending(pipe, longer, io::Existing::replace);
+  std::stop_source stop;
+  std::jthread interrupt([&] { stop.request_stop(); });
+  expect_error([&] { pending.appear(stop.get_token()); }, "core.cancelled", {});
+  ::close(reader);
+}
+
+TEST(MeshIo, AFileThatTakesTooMuchMemoryIsRefusedBeforeItIsRead) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("in.ply", triangle_ply);
+  Context context;
+  context.memory = triangle_ply.size() - 1;
+  expect_error([&] { read_mesh(path, context); }, "core.over_budget", {"in.ply", "0 MB are allowed"});
+  context.memory = triangle_ply.size();
+  EXPECT_EQ(read_mesh(path, context).vertex_count(), 3);
 }
 
 TEST(MeshIo, FilesWithoutPermissionAreNamed) {

@@ -8,6 +8,7 @@
 #include <meshgraft/io/mesh_io.h>
 
 #include "io/file.h"
+#include "io/gltf/images.h"
 #include "io/textures.h"
 #include "mesh/join.h"
 #include "temporary_folder.h"
@@ -104,10 +105,26 @@ TEST(Textures, AreReadFromAllPlacesThatGltfHasForThem) {
   EXPECT_TRUE(fs::equivalent(beside[0].file, folder / "a b.png"));
   const auto within = of(R"({"bufferView": 1, "mimeType": "image/png"})");
   ASSERT_EQ(within.size(), 1u);
-  EXPECT_EQ(within[0].bytes, std::string("\0\0\x80\x3f", 4));
+  EXPECT_EQ(*within[0].bytes, std::string("\0\0\x80\x3f", 4));
   const auto encoded = of(R"({"uri": "data:image/png;base64,cGljdHVyZQ=="})");
   ASSERT_EQ(encoded.size(), 1u);
-  EXPECT_EQ(encoded[0].bytes, "picture");
+  EXPECT_EQ(*encoded[0].bytes, "picture");
+}
+
+TEST(Textures, OfSeveralMaterialsShareTheirBytes) {
+  const TemporaryFolder folder;
+  std::string text = gltf_with(R"({"bufferView": 1, "mimeType": "image/png"})");
+  const std::string materials = R"("materials": [)";
+  const std::string one = R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, )";
+  text.insert(text.find(materials) + materials.size(), one + one);
+  put_file(folder / "model.gltf", text);
+  const Mesh mesh = read_mesh(folder / "model.gltf");
+  const auto* document = dynamic_cast<const io::GltfDocument*>(mesh.source.get());
+  ASSERT_NE(document, nullptr);
+  const auto textures = io::textures_of(*document);
+  ASSERT_EQ(textures.size(), 3u);
+  EXPECT_EQ(textures[0].bytes, textures[1].bytes);
+  EXPECT_EQ(textures[0].bytes, textures[2].bytes);
 }
 
 TEST(Textures, ThatAreMalformedAreLeftOut) {

@@ -419,6 +419,15 @@ TEST_F(Threemf, RefusesWhatUnpacksWithoutMeasure) {
   test::expect_error([&] { read_mesh(path); }, "threemf.part_too_large",
                      {"more than 200 times", "Metadata/slicer.config"});
 
+  // None of these parts is suspicious by itself.
+  Parts many = package_of(one_tetrahedron());
+  for (int part = 0; part < 10; ++part)
+    many["3D/part" + std::to_string(part) + ".model"] = std::string(std::size_t{1} << 20, ' ');
+  const auto sum = write(many);
+  Context context;
+  context.memory = std::uint64_t{20} << 20;
+  test::expect_error([&] { read_mesh(sum, context); }, "core.over_budget", {"a.3mf", "20 MB are allowed"});
+
   std::string resources = R"(<object id="1" type="model">)" + tetrahedron() + "</object>";
   for (int level = 2; level < 12; ++level) {
     resources += "<object id=\"" + std::to_string(level) + "\" type=\"model\"><components>";

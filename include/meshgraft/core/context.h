@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <stop_token>
 #include <string_view>
@@ -20,12 +21,14 @@ struct Progress {
 /// Reports progress on the calling thread. An exception that it throws ends the call.
 using ProgressCallback = std::function<void(const Progress& progress)>;
 
-/// Execution settings of a long call: threads, progress and cancellation. It is passed to every long
+/// Execution settings of a long call: threads, progress, cancellation and memory. It is passed to every long
 /// call and never kept in a global. The result of a call does not depend on it.
 struct Context {
   int threads = 0;               ///< worker threads; 0 = one per core
   ProgressCallback progress{};   ///< may be empty
   std::stop_token stop_token{};  ///< requests cancellation
+  /// The most bytes that reading a file may take; 0: three quarters of the memory that the process may use.
+  std::uint64_t memory = 0;
 
   /// Throws Error(cancelled) if a stop was requested; otherwise reports progress.
   void step(std::string_view stage, double fraction = -1.0) const;

@@ -51,6 +51,10 @@ struct WriteResult {
 WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
                        const Context& context = {});
 
+/// Returns notes on the files behind a mesh: io.other_format for each whose content is of another format than its
+/// extension says.
+std::vector<Note> notes_on_files(const Mesh& mesh);
+
 /// Returns the unit of length of the file behind a mesh ("millimeter", "inch"). It is empty where the file
 /// has none, as in most formats.
 std::string unit_of(const Mesh& mesh);

@@ -3,16 +3,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <stop_token>
 #include <string_view>
 #include <system_error>
 
 namespace meshgraft::platform {
 
 enum class OpenMode {
-  read,              ///< an existing file or folder
-  write,             ///< an existing file, pipe or device, from its beginning; it is not truncated
-  create,            ///< a new file; fails if the path exists
-  append,            ///< an existing file, for reading and appending; fails at a symbolic link
+  read,    ///< an existing file or folder; opening a pipe waits for no writer
+  write,   ///< an existing file, pipe or device, from its beginning; it is not truncated. Opening a pipe
+           ///< without a reader fails
+  create,  ///< a new file; fails if the path exists
+  append,  ///< an existing file, for reading and appending; fails at a symbolic link
   append_or_create,  ///< like `append`, or a new file that only its owner may read and write
 };
 
@@ -41,8 +43,9 @@ class File {
 
   /// Reads at most `size` bytes and returns how many; 0 at the end of the file and on an error.
   std::size_t read(char* buffer, std::size_t size, std::error_code& error);
-  /// Writes all bytes, or as many as the system accepts before an error.
-  std::error_code write(std::string_view bytes);
+  /// Writes all bytes, or as many as the system accepts before an error. Returns
+  /// `std::errc::operation_canceled` if a stop is requested while a pipe or a device takes no more.
+  std::error_code write(std::string_view bytes, const std::stop_token& stop = {});
   /// Waits until all written bytes are on the disk.
   std::error_code flush();
   /// Truncates the file, or extends it with zeros.

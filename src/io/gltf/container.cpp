@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -68,45 +69,67 @@ std::string decode_data_uri(const std::string& uri, const JsonView& location) {
   return std::move(*bytes);
 }
 
-std::string read_beside(const fs::path& path, const JsonView& location) {
-  try {
-    std::error_code missing;
-    if (fs::exists(path, missing) && !fs::is_regular_file(path, missing))
-      throw Error(facts::gltf::BufferNotAFile{}, path);
-    return read_file(path);
-  } catch (const Error& error) {
-    throw error.within(Location::file(location.file()) / Location::field(location.path()));
-  }
-}
+using SharedBytes = std::shared_ptr<const std::string>;
 
-GltfBuffer load_buffer(const JsonView& buffer, bool is_first, const GlbLayout& layout) {
-  GltfBuffer loaded;
-  const std::uint64_t size = buffer.at("byteLength").whole();
-  std::size_t available = 0;
-  if (const auto uri = buffer.find("uri")) {
-    const std::string text = uri->text();
-    if (is_data_uri(text)) {
-      loaded.storage = GltfBuffer::Storage::data_uri;
-      loaded.own = decode_data_uri(text, *uri);
+/// Loads the buffers of a file.
+class BufferLoader {
+ public:
+  BufferLoader(const GlbLayout& layout, MemoryBudget& budget) : layout_(layout), budget_(budget) {}
+
+  GltfBuffer load(const JsonView& buffer, bool is_first) {
+    GltfBuffer loaded;
+    const std::uint64_t size = buffer.at("byteLength").whole();
+    std::size_t available = 0;
+    if (const auto uri = buffer.find("uri")) {
+      const std::string text = uri->text();
+      if (is_data_uri(text)) {
+        loaded.storage = GltfBuffer::Storage::data_uri;
+        loaded.own = decode(text, *uri);
+      } else {
+        loaded.storage = GltfBuffer::Storage::file;
+        loaded.path = fs::path(buffer.file()).parent_path() / path_of_uri(text, *uri);
+        loaded.own = read_beside(loaded.path, *uri);
+      }
+      available = loaded.own->size();
+    } else if (is_first && layout_.has_binary) {
+      loaded.storage = GltfBuffer::Storage::chunk;
+      loaded.begin = layout_.binary_begin;
+      available = layout_.binary_size;
     } else {
-      loaded.storage = GltfBuffer::Storage::file;
-      loaded.path = fs::path(buffer.file()).parent_path() / path_of_uri(text, *uri);
-      loaded.own = read_beside(loaded.path, *uri);
+      return loaded;  // an error only if an accessor needs this buffer
     }
-    available = loaded.own.size();
-  } else if (is_first && layout.has_binary) {
-    loaded.storage = GltfBuffer::Storage::chunk;
-    loaded.begin = layout.binary_begin;
-    available = layout.binary_size;
-  } else {
-    return loaded;  // an error only if an accessor needs this buffer
+    if (size > available)
+      buffer.fail(facts::gltf::WrongLength{
+          .what = facts::gltf::Block::buffer, .declared = size, .available = available});
+    loaded.size = static_cast<std::size_t>(size);
+    return loaded;
   }
-  if (size > available)
-    buffer.fail(
-        facts::gltf::WrongLength{.what = facts::gltf::Block::buffer, .declared = size, .available = available});
-  loaded.size = static_cast<std::size_t>(size);
-  return loaded;
-}
+
+ private:
+  SharedBytes decode(const std::string& uri, const JsonView& location) {
+    at(location, [&] { budget_.charge(uri.size() / 4 * 3); });
+    return std::make_shared<const std::string>(decode_data_uri(uri, location));
+  }
+
+  SharedBytes read_beside(const fs::path& path, const JsonView& location) {
+    SharedBytes& bytes = files_[path.lexically_normal()];
+    if (!bytes) at(location, [&] { bytes = std::make_shared<const std::string>(read_file(path, budget_)); });
+    return bytes;
+  }
+
+  template <class Work>
+  static void at(const JsonView& location, const Work& work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      throw error.within(Location::file(location.file()) / Location::field(location.path()));
+    }
+  }
+
+  const GlbLayout& layout_;
+  MemoryBudget& budget_;
+  std::map<fs::path, SharedBytes> files_;
+};
 
 }  // namespace
 
@@ -166,10 +189,11 @@ std::string compose_glb(std::string_view json, std::optional<std::string_view> b
   return out;
 }
 
-std::vector<GltfBuffer> load_buffers(const JsonView& root, const GlbLayout& layout) {
+std::vector<GltfBuffer> load_buffers(const JsonView& root, const GlbLayout& layout, MemoryBudget& budget) {
+  BufferLoader loader(layout, budget);
   std::vector<GltfBuffer> buffers;
   for (std::size_t i = 0; i < root.count("buffers"); ++i)
-    buffers.push_back(load_buffer(root.at("buffers").at(i), i == 0, layout));
+    buffers.push_back(loader.load(root.at("buffers").at(i), i == 0));
   return buffers;
 }
 

@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/memory_budget.h"
 #include "json.h"
 
 namespace meshgraft::io {
@@ -39,14 +41,16 @@ struct GltfBuffer {
     absent,    ///< nowhere: a fallback that compressed data replaces
   };
   Storage storage = Storage::absent;
-  std::string own;                  ///< the bytes, unless they lie in the .glb
+  std::shared_ptr<const std::string>
+      own;                          ///< the bytes, unless they lie in the .glb; shared by buffers of one file
   std::size_t begin = 0, size = 0;  ///< first byte in the .glb (for `chunk`), and byte count
   std::filesystem::path path;       ///< of the file (for `file`)
 };
 
-/// Reads all buffers of a file. `layout` is default-constructed for a .gltf. Throws Error(io) for files that
-/// cannot be read and Error(input) for buffers shorter than their byteLength.
-std::vector<GltfBuffer> load_buffers(const JsonView& root, const GlbLayout& layout);
+/// Reads all buffers of a file, and a file that several buffers name once. `layout` is default-constructed for
+/// a .gltf. Throws Error(io) for files that cannot be read, Error(memory) for more bytes than the budget has
+/// left, and Error(input) for buffers shorter than their byteLength.
+std::vector<GltfBuffer> load_buffers(const JsonView& root, const GlbLayout& layout, MemoryBudget& budget);
 
 /// Converts a relative URI to a path by decoding percent signs. Throws Error(input) for network addresses.
 std::filesystem::path path_of_uri(const std::string& uri, const JsonView& location);

@@ -72,7 +72,7 @@ GltfBytes GltfDocument::bytes() const {
     else if (buffer.storage == GltfBuffer::Storage::chunk)
       bytes.push_back(std::string_view(content).substr(buffer.begin, buffer.size));
     else
-      bytes.push_back(std::string_view(buffer.own).substr(0, buffer.size));
+      bytes.push_back(std::string_view(*buffer.own).substr(0, buffer.size));
   }
   return bytes;
 }

@@ -106,6 +106,7 @@ struct GltfDocument : FileDocument {
   GltfBytes bytes() const;
   std::string name() const { return path.string(); }
 
+  std::string_view format() const override { return "glTF"; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

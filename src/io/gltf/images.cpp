@@ -1,5 +1,9 @@
 #include "images.h"
 
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -23,34 +27,53 @@ std::string bytes_of_view(const JsonView& root, const GltfDocument& document, co
   return std::string(buffer.substr(begin, length));
 }
 
-// Fills `texture`. Returns whether there is an image.
-bool find_image(const JsonView& root, const GltfDocument& document, const JsonView& image,
-                MaterialTexture& texture) {
-  if (const auto view = image.find("bufferView")) {
-    texture.bytes = bytes_of_view(root, document, *view);
-    return !texture.bytes.empty();
-  }
-  const std::string uri = image.at("uri").text();
-  if (is_data_uri(uri)) {
-    const std::size_t comma = uri.find(";base64,");
-    if (comma == std::string::npos) return false;
-    texture.bytes = decode_base64(std::string_view(uri).substr(comma + 8)).value_or("");
-    return !texture.bytes.empty();
-  }
-  if (has_scheme(uri)) return false;
-  texture.file = document.path.parent_path() / path_of_uri(uri, image);
-  std::error_code ignored;
-  return std::filesystem::is_regular_file(texture.file, ignored);
-}
+/// The images of a file. The bytes of each are held once.
+class Images {
+ public:
+  Images(const JsonView& root, const GltfDocument& document) : root_(root), document_(document) {}
 
-std::optional<JsonView> image_of(const JsonView& root, const JsonView& material) {
-  const auto surface = material.find("pbrMetallicRoughness");
-  const auto colour = surface ? surface->find("baseColorTexture") : std::nullopt;
-  if (!colour) return std::nullopt;
-  const std::size_t number = colour->at("index").index(root.count("textures"), "textures");
-  const JsonView texture = root.at("textures").at(number);
-  return root.at("images").at(texture.at("source").index(root.count("images"), "images"));
-}
+  /// Fills `texture` with the image of a material. Returns whether it has one.
+  bool find(const JsonView& material, MaterialTexture& texture) {
+    const std::optional<std::size_t> number = number_of(material);
+    if (!number) return false;
+    const JsonView image = root_.at("images").at(*number);
+    const auto view = image.find("bufferView");
+    const std::string uri = view ? std::string() : image.at("uri").text();
+    if (view || is_data_uri(uri)) {
+      const auto [known, is_new] = bytes_.try_emplace(*number);
+      if (is_new) known->second = embedded(view ? bytes_of_view(root_, document_, *view) : decoded(uri));
+      texture.bytes = known->second;
+      return texture.bytes != nullptr;
+    }
+    if (has_scheme(uri)) return false;
+    texture.file = document_.path.parent_path() / path_of_uri(uri, image);
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(texture.file, ignored);
+  }
+
+ private:
+  std::optional<std::size_t> number_of(const JsonView& material) const {
+    const auto surface = material.find("pbrMetallicRoughness");
+    const auto colour = surface ? surface->find("baseColorTexture") : std::nullopt;
+    if (!colour) return std::nullopt;
+    const std::size_t number = colour->at("index").index(root_.count("textures"), "textures");
+    return root_.at("textures").at(number).at("source").index(root_.count("images"), "images");
+  }
+
+  static std::string decoded(const std::string& uri) {
+    const std::size_t comma = uri.find(";base64,");
+    if (comma == std::string::npos) return {};
+    return decode_base64(std::string_view(uri).substr(comma + 8)).value_or("");
+  }
+
+  static std::shared_ptr<const std::string> embedded(std::string bytes) {
+    return bytes.empty() ? nullptr : std::make_shared<const std::string>(std::move(bytes));
+  }
+
+  const JsonView& root_;
+  const GltfDocument& document_;
+  std::map<std::size_t, std::shared_ptr<const std::string>> bytes_;  // by the number of the image
+};
 
 }  // namespace
 
@@ -59,11 +82,11 @@ std::vector<MaterialTexture> textures_of(const GltfDocument& document) {
   const std::string name = document.name();
   const JsonView root(document.json, "", name);
   const std::vector<std::string> labels = gltf_labels(root, "materials", "material");
+  Images images(root, document);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     MaterialTexture texture{labels[i], {}, {}};
     try {
-      const auto image = image_of(root, root.at("materials").at(i));
-      if (image && find_image(root, document, *image, texture)) textures.push_back(std::move(texture));
+      if (images.find(root.at("materials").at(i), texture)) textures.push_back(std::move(texture));
     } catch (const Error&) {
       continue;  // the mesh is shown without a malformed texture
     }

@@ -14,7 +14,7 @@
 
 #include <meshgraft/core/error.h>
 
-#include "core/memory.h"
+#include "core/memory_budget.h"
 #include "document.h"
 #include "gltf.h"
 #include "gltf/facts.h"
@@ -59,7 +59,8 @@ struct PositionHash {
 class GltfReader {
  public:
   GltfReader(std::string content, const std::string& name, const Context& context)
-      : name_(name), context_(context), document_(std::make_shared<GltfDocument>()) {
+      : name_(name), context_(context), budget_(context), document_(std::make_shared<GltfDocument>()) {
+    budget_.charge(content.size());
     document_->path = name;
     document_->content = std::move(content);
   }
@@ -86,7 +87,7 @@ class GltfReader {
     const JsonView root = view();
     require_version(root);
     require_known_geometry(root);
-    document.buffers = load_buffers(root, document.layout);
+    document.buffers = load_buffers(root, document.layout, budget_);
     bytes_ = document.bytes();
     document.instances = instances_of(root);
     require_room();
@@ -103,7 +104,7 @@ class GltfReader {
       if (is_new) known->second = corners_of(view().at("meshes").at(instance.mesh).at("primitives"));
       corners += known->second;
     }
-    if (corners > std::min(most_corners, physical_memory() / bytes_a_corner))
+    if (corners > std::min(most_corners, budget_.left() / bytes_a_corner))
       view().fail(facts::gltf::TooManyTriangles{.millions = corners / 3'000'000});
   }
 
@@ -379,6 +380,7 @@ class GltfReader {
 
   const std::string& name_;
   const Context& context_;
+  MemoryBudget budget_;
   std::shared_ptr<GltfDocument> document_;
   GltfBytes bytes_;
   Mesh mesh_;

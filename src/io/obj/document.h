@@ -18,6 +18,7 @@ struct ObjDocument : FileDocument {
   std::vector<double> normals;        ///< 3 values per vn line
   std::vector<Index> corner_normals;  ///< the vn line of each corner, -1 for none; empty if no face has any
 
+  std::string_view format() const override { return "OBJ"; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

@@ -28,6 +28,7 @@ struct OffDocument : FileDocument {
   std::optional<ScalarType> face_colour;
   bool has_face_index = false;
 
+  std::string_view format() const override { return "OFF"; }
   std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 

@@ -69,6 +69,7 @@ struct PlyDocument : FileDocument {
   std::vector<PlyTable> tables;            ///< vertices, faces
   ScalarType position_type = ScalarType::float64;
 
+  std::string_view format() const override { return "PLY"; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

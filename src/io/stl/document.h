@@ -24,6 +24,7 @@ struct StlDocument : FileDocument {
   std::string content;
   bool ascii = false;
 
+  std::string_view format() const override { return "STL"; }
   std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/file_document.h"
@@ -29,6 +30,7 @@ struct ThreemfDocument : FileDocument {
   const ThreemfVertices& vertices(std::size_t object) const {
     return scanned[sources[object].part].meshes[sources[object].mesh];
   }
+  std::string_view format() const override { return "3MF"; }
   std::vector<Note> beside_the_mesh() const override;
   std::string unit() const override { return length_unit; }
 };

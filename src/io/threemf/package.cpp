@@ -119,17 +119,23 @@ zip_stat_t stat_of(zip_t* archive, zip_uint64_t index) {
 
 }  // namespace
 
-std::vector<PackagePart> model_parts(std::string_view package, const std::string& name) try {
+std::vector<PackagePart> model_parts(std::string_view package, const std::string& name,
+                                     MemoryBudget& budget) try {
   const Archive archive(package, ZIP_RDONLY);
-  std::vector<PackagePart> parts;
-  const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
-  for (zip_int64_t i = 0; i < count; ++i) {
-    const zip_stat_t entry = stat_of(archive.get(), static_cast<zip_uint64_t>(i));
-    const std::string location = entry.name;
-    require_plausible(entry, location);
-    if (ascii_lower_case(location).ends_with(".model"))
-      parts.push_back({location, read_entry(archive.get(), entry, location)});
+  const auto count = static_cast<zip_uint64_t>(zip_get_num_entries(archive.get(), 0));
+  std::vector<zip_stat_t> models;
+  for (zip_uint64_t i = 0; i < count; ++i) {
+    const zip_stat_t entry = stat_of(archive.get(), i);
+    require_plausible(entry, entry.name);
+    const bool is_model = ascii_lower_case(entry.name).ends_with(".model");
+    // A model's text is unpacked here and in lib3mf, and becomes a mesh of about its size.
+    constexpr zip_uint64_t copies_of_model = 3;
+    for (zip_uint64_t copy = 0; copy < (is_model ? copies_of_model : 1); ++copy) budget.charge(entry.size);
+    if (is_model) models.push_back(entry);
   }
+  std::vector<PackagePart> parts;
+  for (const zip_stat_t& entry : models)
+    parts.push_back({entry.name, read_entry(archive.get(), entry, entry.name)});
   if (parts.empty()) throw Error(facts::threemf::NoModel{});
   return parts;
 } catch (const Error& error) {

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/memory_budget.h"
+
 namespace meshgraft::io {
 
 /// A file in a package.
@@ -14,9 +16,10 @@ struct PackagePart {
 };
 
 /// Returns the model parts (.model) of a 3MF package, in the archive's order. A package is a ZIP archive
-/// (ECMA-376, part 2). `name` is the file's, for messages. Throws Error(input) if it is no archive, holds no
-/// model, or unpacks to a suspicious size.
-std::vector<PackagePart> model_parts(std::string_view package, const std::string& name);
+/// (ECMA-376, part 2). `name` is the file's, for messages. Charges the unpacked sizes of all parts. Throws
+/// Error(input) if it is no archive, holds no model, or unpacks to a suspicious size, and Error(memory) beyond
+/// the budget.
+std::vector<PackagePart> model_parts(std::string_view package, const std::string& name, MemoryBudget& budget);
 
 /// Returns the package with new contents for the parts of these names. All others keep their compressed
 /// bytes. Every part keeps its position in the archive and its time.

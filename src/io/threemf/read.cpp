@@ -222,7 +222,9 @@ Mesh read_threemf(std::string content, const std::string& name, const Context& c
   auto document = std::make_shared<ThreemfDocument>();
   document->path = name;
   document->package = std::move(content);
-  document->parts = model_parts(document->package, name);
+  MemoryBudget budget(context);
+  budget.charge(document->package.size());
+  document->parts = model_parts(document->package, name, budget);
   context.step("read", 0.2);
   for (const PackagePart& part : document->parts) {
     document->scanned.push_back(scan_part(part.content, fmt::format("{}, {}", name, part.name)));

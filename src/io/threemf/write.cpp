@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <ranges>
@@ -216,7 +217,8 @@ class ThreemfComposer {
 
   // Restores the digits of coordinates. lib3mf writes six decimals, which would flatten a small model.
   void restore_digits(std::string& package) const {
-    std::vector<PackagePart> parts = model_parts(package, {});
+    MemoryBudget unlimited(std::numeric_limits<std::uint64_t>::max());  // the package is our own
+    std::vector<PackagePart> parts = model_parts(package, {}, unlimited);
     PackagePart& part = parts.front();
     const std::vector<ThreemfVertices> written = scan_part(part.content, part.name).meshes;
     std::vector<const Points*> positions;

@@ -1,6 +1,7 @@
 #include "core/platform/file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -23,8 +24,8 @@ std::error_code error_unless(bool success) { return success ? std::error_code() 
 
 int flags_of(OpenMode mode) {
   switch (mode) {
-    case OpenMode::read: return O_RDONLY;
-    case OpenMode::write: return O_WRONLY;
+    case OpenMode::read: return O_RDONLY | O_NONBLOCK;
+    case OpenMode::write: return O_WRONLY | O_NONBLOCK;
     case OpenMode::create: return O_WRONLY | O_CREAT | O_EXCL;
     case OpenMode::append: return O_RDWR | O_APPEND | O_NOFOLLOW;
     case OpenMode::append_or_create: return O_RDWR | O_APPEND | O_NOFOLLOW | O_CREAT;
@@ -35,6 +36,10 @@ int flags_of(OpenMode mode) {
 fs::file_type type_of(mode_t mode) {
   if (S_ISREG(mode)) return fs::file_type::regular;
   if (S_ISDIR(mode)) return fs::file_type::directory;
+  if (S_ISFIFO(mode)) return fs::file_type::fifo;
+  if (S_ISCHR(mode)) return fs::file_type::character;
+  if (S_ISBLK(mode)) return fs::file_type::block;
+  if (S_ISSOCK(mode)) return fs::file_type::socket;
   return fs::file_type::unknown;
 }
 
@@ -79,11 +84,18 @@ std::size_t File::read(char* buffer, std::size_t size, std::error_code& error) {
   }
 }
 
-std::error_code File::write(std::string_view bytes) {
+std::error_code File::write(std::string_view bytes, const std::stop_token& stop) {
   constexpr std::size_t largest_piece = std::size_t{1} << 30;  // Linux moves at most 2 GiB per call
   while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor(handle_), bytes.data(), std::min(bytes.size(), largest_piece));
     if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && errno == EAGAIN) {
+      if (stop.stop_requested()) return std::make_error_code(std::errc::operation_canceled);
+      constexpr int patience_ms = 50;
+      pollfd writable = {descriptor(handle_), POLLOUT, 0};
+      ::poll(&writable, 1, patience_ms);
+      continue;
+    }
     if (count < 0) return last_error();
     bytes.remove_prefix(count);
   }
