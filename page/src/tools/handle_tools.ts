@@ -1,7 +1,7 @@
 import type { Hit } from "../view/picking/picking";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 import { BrushRing, BrushStroke } from "./select_tools";
-import type { ToolContext, Pointer, Stroke, Tool } from "./tool";
+import { clickStroke, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
 import type { Surface } from "../view/surface/surface";
 import type { ScreenPoint } from "./screen_camera";
 
@@ -9,7 +9,7 @@ import type { ScreenPoint } from "./screen_camera";
 function pickUp(context: ToolContext, hit: Hit): Stroke | undefined {
   const name = context.control.handleAt(hit.surface, hit.vertex);
   if (name === undefined || name === context.editor.tools.activeHandle.value) return undefined;
-  return { move: () => undefined, end: () => context.control.activate(name), cancel: () => undefined };
+  return clickStroke(() => context.control.activate(name));
 }
 
 /** Names the handle that a click would activate. */
@@ -103,14 +103,10 @@ export class VertexTool implements Tool {
     if (hit === undefined) return undefined;
     const { control } = this.context;
     if (control.handleAt(hit.surface, hit.vertex) !== undefined) return pickUp(this.context, hit);
-    return {
-      move: () => undefined,
-      end: () => {
-        this.leave();
-        void control.paint(hit.surface, Uint32Array.of(hit.vertex));
-      },
-      cancel: () => undefined,
-    };
+    return clickStroke(() => {
+      this.leave();
+      void control.paint(hit.surface, Uint32Array.of(hit.vertex));
+    });
   }
 }
 
@@ -154,7 +150,7 @@ export class CurveTool implements Tool {
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
     if (hit === undefined && !this.isAtFirst(pointer.screenPoint)) return undefined;
-    return { move: () => undefined, end: () => this.click(pointer, hit), cancel: () => undefined };
+    return clickStroke(() => this.click(pointer, hit));
   }
 
   /** Ends the curve and makes the handle. */

@@ -5,7 +5,7 @@ import type { Surface } from "../view/surface/surface";
 import type { ScreenPoint } from "./screen_camera";
 import { StrokePath } from "./stroke_path";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
-import { combineOf, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
+import { clickStroke, combineOf, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
 
 /** A circle on the page that shows the size of the brush. */
 export class BrushRing {
@@ -183,11 +183,8 @@ export abstract class ClickTool implements Tool {
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
     const found = this.find(pointer, hit);
     if (found === undefined) return undefined;
-    return {
-      move: () => undefined,
-      end: () => void this.context.editor.ask({ do: "select", how: combineOf(this.context, pointer), what: found.ask }),
-      cancel: () => undefined,
-    };
+    const how = combineOf(this.context, pointer);
+    return clickStroke(() => void this.context.editor.ask({ do: "select", how, what: found.ask }));
   }
 
   protected present({ surface, vertices }: Found): void {

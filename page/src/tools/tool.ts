@@ -21,6 +21,13 @@ export interface Stroke {
   end(pointer: Pointer): void;
   /** Undoes the effect of the stroke. */
   cancel(): void;
+  /** Whether the stroke acts only at its end, so that a second finger makes it a pinch. */
+  readonly isClick?: boolean;
+}
+
+/** Makes a stroke that acts where it ends, however the pointer moved. */
+export function clickStroke(end: (pointer: Pointer) => void): Stroke {
+  return { move: () => undefined, end, cancel: () => undefined, isClick: true };
 }
 
 /** The objects that a tool works with. */

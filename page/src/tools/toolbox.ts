@@ -81,11 +81,12 @@ export class ToolBox implements ToolActions {
     canvas.addEventListener("pointerdown", (event) => this.press(event));
     canvas.addEventListener("pointermove", (event) => this.follow(event));
     canvas.addEventListener("pointerup", (event) => this.release(event));
-    canvas.addEventListener("pointercancel", () => this.cancel());
-    canvas.addEventListener("lostpointercapture", () => this.cancel());
+    canvas.addEventListener("pointercancel", (event) => this.lose(event));
+    canvas.addEventListener("lostpointercapture", (event) => this.lose(event));
     canvas.addEventListener("pointerleave", () => this.leave());
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
+    this.viewport.navigation.isBlocked = () => this.stroke !== undefined && this.stroke.isClick !== true;
     effect(() => {
       const { mode, tool } = this.editor.graft;
       const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[this.editor.tools.tool.value];
@@ -195,7 +196,19 @@ export class ToolBox implements ToolActions {
     this.gizmo.leave();
   }
 
+  // A second pointer neither moves nor ends the drag of the first one.
+  private isOfOther(event: PointerEvent): boolean {
+    return this.draggingPointer !== undefined && event.pointerId !== this.draggingPointer;
+  }
+
+  // The navigation, which sees the press next, begins a pinch unless the drag goes on.
+  private pressAlso(): void {
+    if (this.stroke?.isClick === true) this.cancel();
+  }
+
   private press(event: PointerEvent): void {
+    if (this.isOfOther(event)) return this.pressAlso();
+    if (this.viewport.navigation.isDragging) return;
     this.pointer = pointerOf(event);
     if (this.gizmo.isModal) {
       event.preventDefault();
@@ -207,10 +220,20 @@ export class ToolBox implements ToolActions {
     const stroke = this.strokeFor(event);
     if (stroke === undefined) return;
     event.preventDefault(); // the navigation ignores the event
+    this.waiting = undefined; // perhaps of another pointer
     document.activeElement instanceof HTMLElement && document.activeElement.blur();
     this.stroke = stroke;
     this.draggingPointer = event.pointerId;
     this.viewport.canvas.setPointerCapture(event.pointerId);
+    window.addEventListener("wheel", keepPageScale, { passive: false });
+  }
+
+  /** Returns the drag in progress, which then belongs to the caller. */
+  private takeStroke(): Stroke | undefined {
+    const { stroke } = this;
+    this.stroke = this.draggingPointer = undefined;
+    window.removeEventListener("wheel", keepPageScale);
+    return stroke;
   }
 
   private strokeFor(event: PointerEvent): Stroke | undefined {
@@ -229,6 +252,7 @@ export class ToolBox implements ToolActions {
   }
 
   private follow(event: PointerEvent): void {
+    if (this.isOfOther(event)) return;
     const isFirst = this.waiting === undefined;
     this.waiting = event;
     if (isFirst) requestAnimationFrame(() => this.followNow());
@@ -258,23 +282,25 @@ export class ToolBox implements ToolActions {
   }
 
   private release(event: PointerEvent): void {
-    const { stroke } = this;
-    if (stroke === undefined || event.pointerId !== this.draggingPointer) return;
+    if (event.pointerId !== this.draggingPointer) return;
     this.followNow();
     this.pointer = pointerOf(event);
-    this.stroke = this.draggingPointer = undefined;
+    const stroke = this.takeStroke();
     if (this.gizmo.isActive) this.gizmo.follow(this.pointer.screenPoint, this.pointer.ctrl);
-    stroke.end(this.pointer);
+    stroke?.end(this.pointer);
+  }
+
+  private lose(event: PointerEvent): void {
+    if (event.pointerId === this.draggingPointer) this.cancel();
   }
 
   private finishGesture(): void {
-    this.stroke = this.draggingPointer = undefined;
+    this.takeStroke();
     this.gizmo.end();
   }
 
   private cancel(): void {
-    const { stroke } = this;
-    this.stroke = this.draggingPointer = undefined;
+    const stroke = this.takeStroke();
     if (stroke !== undefined) stroke.cancel();
     else this.gizmo.cancel();
   }
@@ -295,6 +321,11 @@ export class ToolBox implements ToolActions {
   private hitUnder({ x, y }: ScreenPoint): Hit | undefined {
     return this.viewport.pick(x, y);
   }
+}
+
+/** Keeps a pinch from scaling the page, which the browser would do beside the view. */
+function keepPageScale(event: WheelEvent): void {
+  if (event.ctrlKey) event.preventDefault();
 }
 
 function pointerOf(event: MouseEvent): Pointer {

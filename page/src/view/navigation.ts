@@ -33,7 +33,8 @@ export interface NavigatedView {
  * those of tools. A left drag belongs to a tool that prevented the event's default.
  */
 export class Navigation {
-  enabled = true;
+  /** Returns whether the camera must stay where it is: a tool is dragging. */
+  isBlocked: () => boolean = () => false;
   isMoving = false;
   readonly perspective = new PerspectiveCamera(fieldOfViewDeg, 1, 0.01, 1000);
   readonly parallel = new OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
@@ -56,6 +57,10 @@ export class Navigation {
 
   get camera(): PerspectiveCamera | OrthographicCamera {
     return this.orthographic ? this.parallel : this.perspective;
+  }
+  /** Whether a drag or a pinch moves the camera. */
+  get isDragging(): boolean {
+    return this.drag !== undefined;
   }
   get target(): Vector3 {
     return this.viewpoint.target;
@@ -258,7 +263,7 @@ export class Navigation {
   }
 
   private press(event: PointerEvent): void {
-    if (!this.enabled || !this.isOnCanvas(event)) return;
+    if (this.isBlocked() || !this.isOnCanvas(event)) return;
     if (event.defaultPrevented && event.button === 0 && event.pointerType === "mouse") return;
     if (event.pointerType === "touch") this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (event.defaultPrevented && this.pointers.size < 2) return;
@@ -298,8 +303,9 @@ export class Navigation {
   }
 
   private wheel(event: WheelEvent): void {
-    if (!this.enabled || !this.isOnCanvas(event)) return;
+    if (!this.isOnCanvas(event)) return;
     event.preventDefault();
+    if (this.isBlocked()) return;
     if (event.shiftKey || (!event.ctrlKey && event.deltaMode === 0 && event.deltaX !== 0)) {
       this.pan(-(event.deltaX || event.deltaY), event.shiftKey ? 0 : -event.deltaY);
       return;

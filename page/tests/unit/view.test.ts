@@ -11,7 +11,7 @@ import {
   type BufferGeometry,
 } from "three";
 import { MeshBVH } from "three-mesh-bvh";
-import { describe, expect, it } from "vitest";
+import { afterAll, beforeAll, describe, expect, it, vi } from "vitest";
 import { roundLength } from "../../src/view/backdrop";
 import { colourAt, colourTable, diverging, rising } from "../../src/view/surface/colour_maps";
 import { writeFrame } from "../../src/view/surface/deform_shader";
@@ -388,6 +388,72 @@ describe("navigation", () => {
       expect(most).toBeLessThan(1);
       expect(most).toBeGreaterThan(0.7);
     }
+  });
+});
+
+/** An element with what the navigation uses of a canvas. */
+class FakeCanvas extends EventTarget {
+  readonly style = {};
+  setPointerCapture(): void {}
+  getBoundingClientRect() {
+    return { left: 0, top: 0, width: 600, height: 400 };
+  }
+}
+
+describe("navigation by fingers and wheel", () => {
+  beforeAll(() => void vi.stubGlobal("HTMLCanvasElement", FakeCanvas));
+  afterAll(() => void vi.unstubAllGlobals());
+
+  function viewed() {
+    const one = new Navigation({
+      requestRender: () => undefined,
+      pointUnder: () => undefined,
+      bounds: () => new Sphere(new Vector3(), 1),
+      fitUnder: () => undefined,
+    });
+    const canvas = new FakeCanvas();
+    one.attach(canvas as unknown as HTMLElement);
+    const send = (type: string, fields: object) => {
+      const event = Object.assign(new Event(type, { cancelable: true }), { button: 0, ...fields });
+      canvas.dispatchEvent(event);
+      return event;
+    };
+    const touch = (type: string, pointerId: number, clientX: number, clientY = 200) =>
+      send(type, { pointerId, pointerType: "touch", clientX, clientY });
+    const pinch = () => {
+      touch("pointerdown", 1, 200);
+      touch("pointerdown", 2, 400);
+      touch("pointermove", 2, 500);
+      touch("pointermove", 1, 150);
+    };
+    return { one, send, touch, pinch, where: () => [one.distance, ...one.target.toArray(), ...one.orientation().toArray()] };
+  }
+
+  it("pinches and zooms", () => {
+    const { one, send, pinch } = viewed();
+    pinch();
+    expect(one.isDragging).toBe(true);
+    const pinched = one.distance;
+    expect(pinched).toBeLessThan(5);
+    send("wheel", { ctrlKey: true, deltaY: -10, deltaX: 0, deltaMode: 0, clientX: 300, clientY: 200 });
+    expect(one.distance).toBeLessThan(pinched);
+  });
+
+  it("does neither while it is blocked, and forgets the fingers that came meanwhile", () => {
+    const { one, send, touch, pinch, where } = viewed();
+    const before = where();
+    let isBlocked = true;
+    one.isBlocked = () => isBlocked;
+    pinch();
+    for (const ctrlKey of [true, false]) {
+      const event = send("wheel", { ctrlKey, deltaY: -10, deltaX: 0, deltaMode: 0, clientX: 300, clientY: 200 });
+      expect(event.defaultPrevented).toBe(true); // the browser must not zoom the page either
+    }
+    expect(where()).toEqual(before);
+    isBlocked = false;
+    touch("pointermove", 2, 550);
+    expect(one.isDragging).toBe(false);
+    expect(where()).toEqual(before);
   });
 });
 

@@ -5,7 +5,7 @@ import type { Hit } from "../../view/picking/picking";
 import type { ScreenPoint } from "../screen_camera";
 import { runsLeft } from "./graft_plane_math";
 import { linesThrough, onOverlay, set, show, svg } from "../svg";
-import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
+import { clickStroke, type ToolContext, type Pointer, type Stroke, type Tool } from "../tool";
 
 const stepPx = 9; // between vertices of the curve
 const closePx = 16;
@@ -45,7 +45,7 @@ export class CutCurveTool implements Tool {
   }
 
   press(pointer: Pointer, hit: Hit | undefined): Stroke | undefined {
-    if (this.isAtFirst(pointer.screenPoint)) return { move: () => undefined, end: () => this.close(), cancel: () => undefined };
+    if (this.isAtFirst(pointer.screenPoint)) return clickStroke(() => this.close());
     if (hit === undefined) return undefined;
     const before = this.graft.cutCurve.value;
     const goesOn = before !== null && !before.closed && before.mesh === hit.surface.id;

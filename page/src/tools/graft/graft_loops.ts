@@ -10,7 +10,7 @@ import { cssColour, pairColour } from "../../app/graft/graft_colours";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { ScreenPoint } from "../screen_camera";
 import { onOverlay, set, show, svg } from "../svg";
-import type { ToolContext, Pointer, Stroke, Tool } from "../tool";
+import { clickStroke, type ToolContext, type Pointer, type Stroke, type Tool } from "../tool";
 
 const nearPx = { loop: 14, match: 11 };
 
@@ -78,11 +78,7 @@ export class LoopPairTool implements Tool {
       this.graft.activeMatch.value = null;
       return undefined;
     }
-    return {
-      move: () => undefined,
-      end: () => this.click(near.ref),
-      cancel: () => undefined,
-    };
+    return clickStroke(() => this.click(near.ref));
   }
 
   private click(ref: LoopRef): void {

@@ -22,6 +22,7 @@ export class GraftPanelActions implements GraftActions {
     let begun: Promise<boolean> | undefined;
     let last: PointerEvent = press;
     const move = (event: PointerEvent) => {
+      if (event.pointerId !== press.pointerId) return;
       last = event;
       const far = Math.hypot(event.clientX - press.clientX, event.clientY - press.clientY);
       if (begun === undefined && far > dragPx) begun = this.begin(add, () => this.follow(last));
@@ -33,6 +34,7 @@ export class GraftPanelActions implements GraftActions {
       window.removeEventListener("pointercancel", up);
     };
     const up = (event: PointerEvent) => {
+      if (event.pointerId !== press.pointerId) return;
       end();
       if (begun === undefined) return;
       window.addEventListener("click", swallow, { capture: true, once: true }); // the click on the thumbnail
