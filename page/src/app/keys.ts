@@ -1,4 +1,5 @@
 import { chordOf, matches, parseChord, type KeyPress } from "./chord";
+import { ClickedElements } from "./clicked";
 
 /** The group of a command in menus and on the help sheet. */
 export type CommandGroup = "file" | "edit" | "tool" | "select" | "handle" | "view" | "help";
@@ -50,20 +51,28 @@ function isForAll(command: Command, press: KeyPress, target: EventTarget | null)
 
 /**
  * Listens for keys and runs their commands. `first` sees each press before (for gestures that take numbers and axes)
- * and returns whether it used it. Returns a function that removes the listeners.
+ * and returns whether it used it. A button that was clicked is not pressed again by Enter or Space; one that the keyboard
+ * moved the focus to is. Returns a function that removes the listeners.
  */
 export function listenForKeys(
   commands: () => readonly Command[],
   first: (event: KeyboardEvent) => boolean = () => false,
 ): () => void {
   const held = new Map<string, Command>(); // by the code of the key
+  const clicked = new ClickedElements();
+  const stopNotingClicks = clicked.listen();
+  const ignored = new Set<string>(); // codes of keys that would press a clicked button
   const down = (event: KeyboardEvent) => {
     if (event.defaultPrevented || event.isComposing) return;
     const { target } = event;
     const types = takesTyping(target);
     if (!types && first(event)) return event.preventDefault();
     const command = commandFor(commands(), event);
-    if (command === undefined || ownsKey(event) || (types && !isForAll(command, event, target))) return;
+    if (target instanceof HTMLElement && clicked.has(target) && isPressedBy(target, event.key)) {
+      event.preventDefault();
+      ignored.add(event.code);
+    } else if (ownsKey(event)) return;
+    if (command === undefined || (types && !isForAll(command, event, target))) return;
     event.preventDefault(); // also for disabled commands, so that ctrl+S does not save the page
     if (types && target instanceof HTMLInputElement) target.blur(); // commits the typed text
     if (!command.enabled() || (event.repeat && command.repeats !== true)) return;
@@ -71,6 +80,7 @@ export function listenForKeys(
     command.run();
   };
   const up = (event: KeyboardEvent) => {
+    if (ignored.delete(event.code)) event.preventDefault(); // some browsers click when Space goes up
     held.get(event.code)?.release?.();
     held.delete(event.code);
   };
@@ -82,15 +92,22 @@ export function listenForKeys(
   window.addEventListener("keyup", up);
   window.addEventListener("blur", leave);
   return () => {
+    stopNotingClicks();
     window.removeEventListener("keydown", down);
     window.removeEventListener("keyup", up);
     window.removeEventListener("blur", leave);
   };
 }
 
-/** Returns whether the focused element handles the key itself: enter and space on a button, arrows on a slider. */
-function ownsKey(event: KeyboardEvent): boolean {
-  if (!(event.target instanceof HTMLElement) || event.target === document.body) return false;
-  const plain = !event.ctrlKey && !event.metaKey && !event.altKey;
-  return plain && ["Enter", " ", "Tab", "ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"].includes(event.key);
+/** Returns whether this key clicks this element when it has the focus. */
+export function isPressedBy({ localName, type }: { localName: string; type?: string }, key: string): boolean {
+  if (key !== "Enter" && key !== " ") return false;
+  return localName === "button" || localName === "summary" || (localName === "input" && ["color", "file"].includes(type ?? ""));
+}
+
+/** Returns whether the focused element handles the key itself: Enter and Space on a button, arrows on a slider. */
+function ownsKey({ target, key, ctrlKey, metaKey, altKey }: KeyboardEvent): boolean {
+  if (!(target instanceof HTMLElement) || target === document.body || ctrlKey || metaKey || altKey) return false;
+  if (key === "Enter") return isPressedBy(target, key);
+  return [" ", "Tab", "ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"].includes(key);
 }

@@ -129,6 +129,7 @@ export class ToolBox implements ToolActions {
     return this.gizmo.isActive || this.tool.confirm !== undefined;
   }
   beginGesture(kind: "move" | "turn" | "scale"): void {
+    leaveFocus(); // Enter ends the gesture
     this.gizmo.beginModal(kind, this.pointer.screenPoint);
   }
   togglePivot(): void {
@@ -221,7 +222,7 @@ export class ToolBox implements ToolActions {
     if (stroke === undefined) return;
     event.preventDefault(); // the navigation ignores the event
     this.waiting = undefined; // perhaps of another pointer
-    document.activeElement instanceof HTMLElement && document.activeElement.blur();
+    leaveFocus();
     this.stroke = stroke;
     this.draggingPointer = event.pointerId;
     this.viewport.canvas.setPointerCapture(event.pointerId);
@@ -321,6 +322,11 @@ export class ToolBox implements ToolActions {
   private hitUnder({ x, y }: ScreenPoint): Hit | undefined {
     return this.viewport.pick(x, y);
   }
+}
+
+/** Takes the focus from the element that has it, which would use keys that are meant for the view. */
+function leaveFocus(): void {
+  if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
 }
 
 /** Keeps a pinch from scaling the page, which the browser would do beside the view. */

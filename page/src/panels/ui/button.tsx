@@ -92,7 +92,10 @@ export function HoldButton(props: Omit<IconButtonProps, "onClick"> & { onHold: (
         event.currentTarget.setPointerCapture(event.pointerId);
         if (disabled !== true) onHold(true);
       }}
-      onPointerUp={() => onHold(false)}
+      onPointerUp={(event) => {
+        onHold(false);
+        event.currentTarget.blur(); // Enter and Space are for the keyboard
+      }}
       onPointerCancel={() => onHold(false)}
       onKeyDown={(event) => isHolding(event) && disabled !== true && onHold(true)}
       onKeyUp={(event) => isHolding(event) && onHold(false)}
