@@ -1,4 +1,4 @@
-import { batch, computed, signal } from "@preact/signals";
+import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
 import type { DocumentState, EngineEvent, Id, Note, PageRequest, Pose, Poses, Vector } from "../protocol";
@@ -12,6 +12,7 @@ import { labelOf } from "./request_labels";
 import { mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
 import { counted } from "./units";
+import { hasUnsavedChanges } from "./unsaved";
 import type { ViewSettings } from "./view_settings";
 import {
   fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
@@ -90,13 +91,21 @@ export class Editor {
   /** The document to open once the user has decided about unsaved work. */
   readonly pendingOpen = signal<PendingOpen | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
+  /** Whether the document has changes that are not saved. They stay unsaved while a lost connection comes back. */
+  readonly unsaved = computed(() => {
+    const { value: state } = this.state;
+    return this.bringsBack.value || (state !== null && hasUnsavedChanges(state, this.wasSaved.value));
+  });
 
   private readonly connection: Connection;
   private lastMessage = 0;
   private setupBegan: number | undefined;
-  private opened: OpenRequest | undefined;
+  private readonly opened = signal<OpenRequest | undefined>(undefined);
+  private readonly wasSaved = signal(false); // as an edit, since it was opened
   /** The document to reopen, with all its changes, as soon as the engine answers. */
   private reopening: { to: OpenRequest | undefined; since: string } | undefined;
+  private readonly bringsBack = signal(false); // the unsaved changes of the document to reopen
+  private restoring: Promise<void> | undefined;
 
   constructor(
     readonly token: string,
@@ -118,6 +127,7 @@ export class Editor {
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
     this.library = new Library((request) => this.connection.send(request));
+    effect(() => this.rememberDocument());
   }
 
   start(): void {
@@ -195,18 +205,21 @@ export class Editor {
 
   /** The folder of the open file, or undefined if the file is not on the engine's machine. */
   get openedFolder(): string | undefined {
-    const { opened } = this;
+    const { value: opened } = this.opened;
     return opened !== undefined && "path" in opened && opened.path !== undefined ? folderOf(opened.path) : undefined;
   }
 
   /** Opens a model, and remembers it in case the connection is lost. */
   async open(request: OpenRequest): Promise<boolean> {
-    const before = this.opened;
-    this.opened = undefined; // states that arrive before the answer may belong to either document
+    const before = this.opened.value;
+    this.opened.value = undefined; // states that arrive before the answer may belong to either document
     const asked = this.ask(request);
     this.library.pauseFor(asked.then(() => this.viewport.modelVisible));
     const done = await asked;
-    this.opened = done === undefined ? before : request;
+    batch(() => {
+      this.opened.value = done === undefined ? before : request;
+      if (done !== undefined) this.wasSaved.value = (this.state.value?.edit ?? "") !== "";
+    });
     if (done === undefined) return false;
     this.dialog.value = null;
     this.dismissMessages();
@@ -221,7 +234,7 @@ export class Editor {
     this.confirmThenOpen({ name, open: () => this.open(request) });
   }
   confirmThenOpen(pending: PendingOpen): void {
-    if (this.state.value?.dirty === true) this.pendingOpen.value = pending;
+    if (this.unsaved.value) this.pendingOpen.value = pending;
     else void pending.open();
   }
   /** Opens the document that waited for the user's decision. */
@@ -361,14 +374,13 @@ export class Editor {
       case "state":
         batch(() => {
           this.state.value = event;
+          if (event.edit !== "") this.wasSaved.value = true;
           this.selected.value = event.selected;
           const active = this.tools.activeHandle;
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
           this.graft.onState(event);
         });
-        rememberUnsaved(this.opened, event.dirty);
-        if (this.opened !== undefined) rememberOpen(this.requestToReopen(event, this.opened));
         this.viewport.setDocument(event);
         break;
       case "progress":
@@ -381,7 +393,7 @@ export class Editor {
         this.graft.onEvent(event);
         break;
       case "offer-restore":
-        if (this.reopening !== undefined) void this.restoreAtOnce(event.changes, this.reopening.since);
+        if (this.reopening !== undefined) this.restoring = this.restoreAtOnce(event, this.reopening.since);
         else this.offer.value = event;
         break;
       case "notice":
@@ -432,7 +444,9 @@ export class Editor {
   private noteLink(link: Link): void {
     if (link === "lost" && this.link.value !== "lost") {
       const { value: state } = this.state;
-      const to = state !== null && this.opened !== undefined ? this.requestToReopen(state, this.opened) : undefined;
+      const { value: opened } = this.opened;
+      const to = state !== null && opened !== undefined ? this.requestToReopen(state, opened) : undefined;
+      this.bringsBack.value = this.unsaved.value;
       if (state !== null) this.reopening = { to, since: "The connection was lost, and is back." };
       this.progress.value = new Map();
       void this.checkToken();
@@ -468,13 +482,29 @@ export class Editor {
 
   /** Reopens the document after a lost connection or a reload. */
   private async reopen(to: OpenRequest | undefined): Promise<void> {
-    if (to !== undefined && (await this.ask(to)) !== undefined) this.opened = to;
-    this.reopening = undefined;
+    const { reopening } = this;
+    if (to !== undefined && (await this.ask(to)) !== undefined) this.opened.value = to;
+    await this.restoring;
+    if (this.reopening !== reopening) return; // the connection was lost again
+    this.reopening = this.restoring = undefined;
+    this.bringsBack.value = false;
   }
 
-  private async restoreAtOnce(changes: number, since: string): Promise<void> {
+  private async restoreAtOnce(offer: Event<"offer-restore">, since: string): Promise<void> {
+    this.bringsBack.value = true;
     const done = await this.ask({ do: "restore" });
-    if (done !== undefined) this.note(since, "", `All ${counted(changes, "change")} are here.`);
+    if (done !== undefined) this.note(since, "", `All ${counted(offer.changes, "change")} are here.`);
+    else if (this.link.value === "open") this.offer.value = offer; // the message says why; the user may try again
+  }
+
+  /** Remembers the open document for a reload, and whether it has unsaved changes, restored or not, for the lists. */
+  private rememberDocument(): void {
+    const { value: opened } = this.opened;
+    const { value: state } = this.state;
+    if (opened === undefined || state === null) return;
+    const isUnsaved = this.unsaved.value || this.offer.value !== null;
+    untracked(() => rememberUnsaved(opened, isUnsaved));
+    rememberOpen(this.requestToReopen(state, opened));
   }
 
   private show(message: BinaryMessage): void {

@@ -17,10 +17,10 @@ const unsaved = remembered<string[]>("unsaved", []);
 const nameOf = ({ path, sample }: OpenRequest): string | undefined => path ?? (sample && `sample ${sample}`);
 
 /** Records whether the open document has unsaved changes. */
-export function rememberUnsaved(open: OpenRequest | undefined, isDirty: boolean): void {
-  const name = open && nameOf(open);
-  if (name === undefined || unsaved.value.includes(name) === isDirty) return;
-  unsaved.value = [...unsaved.value.filter((one) => one !== name), ...(isDirty ? [name] : [])];
+export function rememberUnsaved(open: OpenRequest, isUnsaved: boolean): void {
+  const name = nameOf(open);
+  if (name === undefined || unsaved.value.includes(name) === isUnsaved) return;
+  unsaved.value = [...unsaved.value.filter((one) => one !== name), ...(isUnsaved ? [name] : [])];
 }
 export function wasLeftUnsaved(request: OpenRequest): boolean {
   return unsaved.value.includes(nameOf(request) ?? "");

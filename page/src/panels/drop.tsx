@@ -71,9 +71,9 @@ export function DropZone({ page }: { page: Page }) {
       event.preventDefault();
       setOver(false);
       const files = [...(event.dataTransfer?.files ?? [])];
-      const { state, graft } = page.editor;
+      const { unsaved, graft } = page.editor;
       if (files.length === 0) return;
-      if (state.value?.dirty === true && graft.mode.value !== "graft") setAsked(files);
+      if (unsaved.value && graft.mode.value !== "graft") setAsked(files);
       else void takeFiles(page, files);
     };
     window.addEventListener("dragenter", enter);

@@ -39,7 +39,7 @@ export function Header({ page }: { page: Page }) {
       {state !== null && (
         <>
           <span class="divider" />
-          <DocumentName name={state.name} edit={state.edit} dirty={state.dirty} />
+          <DocumentName name={state.name} edit={state.edit} unsaved={editor.unsaved.value} />
           <span class="divider" />
           <CommandButton page={page} id="undo" icon="undo" tip={of("Takes back: ", state.undo)} />
           <CommandButton page={page} id="redo" icon="redo" tip={of("Does again: ", state.redo)} />
@@ -73,13 +73,13 @@ function of(words: string, change: Change | null): string {
   return change === null ? "Nothing to do." : words + changeLabel(change);
 }
 
-function DocumentName({ name, edit, dirty }: { name: string; edit: string; dirty: boolean }) {
+function DocumentName({ name, edit, unsaved }: { name: string; edit: string; unsaved: boolean }) {
   const file = edit === "" ? name : (edit.split("/").pop() ?? name);
   const tip = edit === "" ? "Not saved as an edit yet." : edit;
   return (
-    <span class="document-name" data-tip={tip} data-label={dirty ? "Unsaved changes" : "All saved"}>
+    <span class="document-name" data-tip={tip} data-label={unsaved ? "Unsaved changes" : "All saved"}>
       <span class="file-name">{file}</span>
-      {dirty && (
+      {unsaved && (
         <span class="unsaved" role="img" aria-label="unsaved changes">
           ●
         </span>

@@ -1,4 +1,4 @@
-import { useEffect } from "preact/hooks";
+import { useEffect, useLayoutEffect } from "preact/hooks";
 import type { Page } from "../app/page";
 import { baseName } from "../app/paths";
 import { changeLabel } from "../app/request_labels";
@@ -153,11 +153,11 @@ export function LostConnection({ page }: { page: Page }) {
 export function PageEffects({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
-  const dirty = state?.dirty === true;
+  const unsaved = editor.unsaved.value;
   const theme = editor.view.theme.value;
-  useEffect(() => {
-    document.title = state === null ? "meshgraft" : `${dirty ? "● " : ""}${state.name} – meshgraft`;
-  }, [state?.name, dirty]);
+  useLayoutEffect(() => {
+    document.title = state === null ? "meshgraft" : `${unsaved ? "● " : ""}${state.name} – meshgraft`;
+  }, [state?.name, unsaved]);
   useEffect(() => {
     const dark = matchMedia("(prefers-color-scheme: dark)");
     const apply = () => {
@@ -169,10 +169,13 @@ export function PageEffects({ page }: { page: Page }) {
     return () => dark.removeEventListener("change", apply);
   }, [theme]);
   useEffect(() => {
-    if (!dirty) return undefined;
-    const ask = (event: BeforeUnloadEvent) => event.preventDefault();
+    const ask = (event: BeforeUnloadEvent) => {
+      if (!editor.unsaved.value) return;
+      event.preventDefault();
+      event.returnValue = true; // some browsers ask only with a value
+    };
     window.addEventListener("beforeunload", ask);
     return () => window.removeEventListener("beforeunload", ask);
-  }, [dirty]);
+  }, [editor]);
   return null;
 }

@@ -1,0 +1,125 @@
+import { expect, test } from "vitest";
+import { EditorHarness, run } from "./harness";
+
+/** An editor with bar.obj open, and its mark of unsaved changes. */
+class Marked {
+  private readonly asked: string[] = [];
+
+  private constructor(readonly harness: EditorHarness) {
+    this.page.on("dialog", (dialog) => {
+      this.asked.push(dialog.type());
+      void dialog.accept();
+    });
+  }
+
+  static async open(): Promise<Marked> {
+    const marked = new Marked(await EditorHarness.open());
+    const { page, harness } = marked;
+    run("sample", "bar", "--resolution", "8", "-o", harness.folder.file("bar.obj"));
+    await page.reload();
+    await page.getByRole("button", { name: /bar\.obj/ }).first().click();
+    await page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
+    await harness.user.settle();
+    return marked;
+  }
+
+  get page() {
+    return this.harness.user.page;
+  }
+
+  /** Makes one change. */
+  async change(name: string): Promise<void> {
+    await this.page.evaluate((name) => window.meshgraft.editor.ask({ do: "group", name, select: "all" }), name);
+    await this.harness.user.settle();
+  }
+  async press(keys: string): Promise<void> {
+    await this.harness.user.press(keys);
+    await this.harness.user.settle();
+  }
+  async loseConnection(): Promise<void> {
+    await this.page.evaluate(() => window.meshgraft.editor["connection"]["socket"]?.close());
+    await this.page.waitForFunction(() => window.meshgraft.editor.link.value === "lost");
+    await this.page.waitForFunction(() => window.meshgraft.editor.link.value === "open");
+    await this.harness.user.settle();
+  }
+
+  /** Expects the mark in the title and in the header, or neither. */
+  async expectMark(isMarked: boolean): Promise<void> {
+    const title = `^${isMarked ? "● " : ""}bar\\.(obj|json) – meshgraft$`; // an edit is loaded again by its own name
+    await this.page.waitForFunction((title) => new RegExp(title).test(document.title), title);
+    expect(await this.page.getByLabel("unsaved changes").count()).toBe(isMarked ? 1 : 0);
+  }
+
+  /** Loads the page again, and returns whether the browser asked before. */
+  async reload(): Promise<boolean> {
+    await this.page.getByRole("toolbar", { name: "Tools" }).getByRole("button", { name: "Handle", exact: true }).click(); // browsers ask only after a user's action
+    this.asked.length = 0;
+    await this.page.reload();
+    await this.page.waitForFunction(() => window.meshgraft?.viewport.main !== undefined);
+    await this.harness.user.settle();
+    return this.asked.length > 0;
+  }
+}
+
+test("the mark goes with undo and with saving, and comes with what differs from the saved state", async () => {
+  const marked = await Marked.open();
+  const { harness } = marked;
+  try {
+    await marked.expectMark(false);
+    await marked.change("one");
+    await marked.expectMark(true);
+    await marked.press("Control+z");
+    await marked.expectMark(false);
+    await marked.press("Control+Shift+z");
+    await marked.expectMark(true);
+    await marked.page.evaluate((edit) => window.meshgraft.editor.ask({ do: "save", edit }), harness.folder.file("bar.json"));
+    await marked.expectMark(false);
+    await marked.press("Control+z");
+    await marked.expectMark(true);
+    await marked.press("Control+Shift+z");
+    await marked.expectMark(false);
+    expect(await marked.reload()).toBe(false);
+    await marked.expectMark(false);
+    expect(harness.user.complaints).toEqual([]);
+  } finally {
+    await harness.close();
+  }
+});
+
+test("the mark is right after a lost connection and after the page was loaded again", async () => {
+  const marked = await Marked.open();
+  const { harness } = marked;
+  try {
+    await marked.loseConnection();
+    await marked.expectMark(false);
+    await marked.change("one");
+    await marked.change("two");
+    await marked.loseConnection();
+    await marked.page.getByText("The connection was lost, and is back.").waitFor();
+    await marked.expectMark(true);
+    for (let changes = 2; changes > 0; --changes) await marked.press("Control+z");
+    await marked.expectMark(false);
+    await marked.press("Control+Shift+z");
+    await marked.expectMark(true);
+    expect(await marked.reload()).toBe(true);
+    await marked.page.getByText("The page was loaded again.").waitFor();
+    await marked.expectMark(true);
+    await marked.press("Control+z");
+    await marked.expectMark(false);
+    expect(await marked.reload()).toBe(false);
+    await marked.expectMark(false);
+    expect(harness.user.complaints).toEqual([]);
+  } finally {
+    await harness.close();
+  }
+});
+
+test("a model that is loaded again before any change is open again", async () => {
+  const marked = await Marked.open();
+  try {
+    expect(await marked.reload()).toBe(false);
+    await marked.expectMark(false);
+  } finally {
+    await marked.harness.close();
+  }
+});
