@@ -9,6 +9,7 @@
 #include "editor/facts.h"
 #include "graft_actions.h"
 #include "graft_messages.h"
+#include "io/file_document.h"
 #include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "script/vector_json.h"
@@ -77,6 +78,18 @@ Json object_summary(const Object& object) {
           {"faces", object.mesh().face_count()},
           {"loops", object.loops.size()},
           {"diagonal", object.diagonal}};
+}
+
+// Returns the unit of length that the files behind a mesh name, as 3MF spells it. Returns an empty string
+// where none of them names one.
+std::string length_unit(const Mesh& mesh) {
+  for (const io::FileDocument* document : io::documents_of(mesh)) {
+    if (std::string unit = document->unit(); !unit.empty()) return unit;
+    const std::string extension = document->path.extension().string();
+    for (const char* gltf : {".glb", ".gltf", ".GLB", ".GLTF"})
+      if (extension == gltf) return "meter";  // the unit of every glTF file
+  }
+  return {};
 }
 
 Json handle_summary(const Json& step, const Json& handle, const LiveView& view) {
@@ -419,6 +432,7 @@ Json Workspace::summary() const {
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
           {"up", !document_.edit.inputs.empty() && stands_on_y(document_.edit.inputs.front().file) ? "y" : "z"},
+          {"unit", length_unit(stage_.model->mesh())},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},
           {"parts", parts},
