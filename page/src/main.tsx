@@ -13,7 +13,7 @@ import { Viewport } from "./view/viewport";
 import "./style.css";
 
 const view = new ViewSettings();
-rememberSettings({ theme: view.theme, unit: view.unit, grid: view.grid });
+rememberSettings({ theme: view.theme, usualUnit: view.usualUnit, grid: view.grid });
 const viewport = new Viewport(view);
 const editor = new Editor(takeToken(), viewport, view);
 

@@ -11,7 +11,7 @@ import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from 
 import { labelOf } from "./request_labels";
 import { mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
-import { counted } from "./units";
+import { counted, unitsOfFiles } from "./units";
 import { hasUnsavedChanges } from "./unsaved";
 import type { ViewSettings } from "./view_settings";
 import {
@@ -376,6 +376,7 @@ export class Editor {
           this.state.value = event;
           if (event.edit !== "") this.wasSaved.value = true;
           this.selected.value = event.selected;
+          this.view.setFileUnit(unitsOfFiles[event.unit]);
           const active = this.tools.activeHandle;
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;

@@ -1,4 +1,6 @@
-export type Unit = "mm" | "cm" | "m" | "in" | "none";
+import type { DocumentState } from "../protocol";
+
+export type Unit = "µm" | "mm" | "cm" | "m" | "in" | "ft" | "none";
 export type Quantity = "length" | "angle" | "factor" | "number";
 
 const lengthsMm: Record<string, number> = {
@@ -12,6 +14,16 @@ const lengthsMm: Record<string, number> = {
   '"': 25.4,
   ft: 304.8,
   "'": 304.8,
+};
+/** The unit of a model by the name that its file gives it. */
+export const unitsOfFiles: Record<DocumentState["unit"], Unit> = {
+  "": "none",
+  micron: "µm",
+  millimeter: "mm",
+  centimeter: "cm",
+  inch: "in",
+  foot: "ft",
+  meter: "m",
 };
 const anglesDeg: Record<string, number> = {
   "°": 1,
@@ -43,11 +55,16 @@ export function formatLength(value: number, unit: Unit, digits = 4): string {
   return unit === "none" ? formatNumber(value, digits) : `${formatNumber(value, digits)} ${unit}`;
 }
 
-/** Formats the side lengths of a box, in millimetres if the unit is known, otherwise in model units. */
+/** Formats the side lengths of a box in model units, with the unit's name. */
 export function formatSize(sides: readonly number[], unit: Unit): string {
-  const factor = unit === "none" ? 1 : (lengthsMm[unit] ?? 1);
-  const text = sides.map((side) => formatNumber(side * factor, 3)).join(" × ");
-  return unit === "none" ? text : `${text} mm`;
+  const text = sides.map((side) => formatNumber(side, 3)).join(" × ");
+  return unit === "none" ? text : `${text} ${unit}`;
+}
+
+/** Formats the side lengths of a box in millimetres; empty if the unit is this one, or unknown. */
+export function formatSizeInMm(sides: readonly number[], unit: Unit): string {
+  const factor = unit === "mm" ? undefined : lengthsMm[unit];
+  return factor === undefined ? "" : formatSize(sides.map((side) => side * factor), "mm");
 }
 
 export function formatCount(count: number): string {

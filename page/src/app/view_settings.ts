@@ -1,4 +1,5 @@
-import { signal } from "@preact/signals";
+import { computed, signal } from "@preact/signals";
+import type { Unit } from "./units";
 
 export type Shading = "clay" | "smooth" | "flat" | "texture" | "vertex-colours";
 export type HeatMap = "none" | "stretch" | "seam" | "detail"; // detail: ‖δ‖; seam: of the current graft
@@ -13,9 +14,26 @@ export class ViewSettings {
   readonly showRoles = signal(true); // shows region, fixed part and handles in their colours
   readonly before = signal(false); // shows the mesh as the step found it
   readonly theme = signal<"system" | "light" | "dark">("system");
-  readonly unit = signal<"mm" | "cm" | "m" | "in" | "none">("mm"); // the unit of the model's coordinates
+  readonly usualUnit = signal<Unit>("none"); // the unit of models whose files name none, as the user chose it
+  private readonly fileUnit = signal<Unit>("none"); // that the model's file names
+  private readonly otherUnit = signal<Unit | null>(null); // that the user chose in place of the file's
+  /** The unit of the model's coordinates. */
+  readonly unit = computed(() =>
+    this.fileUnit.value === "none" ? this.usualUnit.value : (this.otherUnit.value ?? this.fileUnit.value),
+  );
   readonly up = signal<"auto" | "y" | "z">("auto"); // the vertical axis; auto: by file format
   readonly orthographic = signal(false);
   readonly grid = signal(true); // on the ground
   readonly lessWhileMoving = signal(true); // fewer pixels while the view or a handle moves, if rendering is slow
+
+  /** Takes the unit that the file of the shown model names. */
+  setFileUnit(unit: Unit): void {
+    if (unit !== this.fileUnit.value) this.otherUnit.value = null;
+    this.fileUnit.value = unit;
+  }
+  /** Takes the unit that the user chose for the shown model, and for others whose files name none. */
+  chooseUnit(unit: Unit): void {
+    if (this.fileUnit.value === "none") this.usualUnit.value = unit;
+    else this.otherUnit.value = unit;
+  }
 }

@@ -10,6 +10,7 @@ import {
   type PoseNumbers,
 } from "../app/handle_pose";
 import type { Page } from "../app/page";
+import type { Unit } from "../app/units";
 import type { Handle, Vector } from "../protocol";
 import { Button } from "./ui/button";
 import { NumberField, Segments } from "./ui/fields";
@@ -115,7 +116,7 @@ interface TripleProps {
   value: Vector;
   onChange: (value: Vector) => void;
   quantity: "length" | "factor" | "number";
-  unit?: "mm" | "cm" | "m" | "in" | "none";
+  unit?: Unit;
   suffix?: string;
   step: number;
   above?: number;

@@ -4,7 +4,7 @@ import { graftWords, shownSize } from "../app/graft/graft_words";
 import { liveWords, progressWords } from "../app/live_words";
 import type { Page } from "../app/page";
 import { changeLabel } from "../app/request_labels";
-import { counted, formatCount, formatPercent, formatSeconds, formatSize } from "../app/units";
+import { counted, formatCount, formatPercent, formatSeconds, formatSize, formatSizeInMm, type Unit } from "../app/units";
 import { Icon } from "./ui/icon";
 
 /** The bar at the bottom: the engine's activity, the quality of what is shown, and the size of the model. */
@@ -71,7 +71,7 @@ function ModelFigures({ page }: { page: Page }) {
       <span class="wide-only">{counted(model.vertices, "vertex", "vertices")}</span>
       <span class="wide-only">{counted(model.faces, "face")}</span>
       {box !== null && (
-        <span data-tip="Sides of the box around the model. The unit is set under View.">
+        <span data-tip={sizeTip("the model", sidesOf(box), editor.view.unit.value)}>
           {formatSize(sidesOf(box), editor.view.unit.value)}
         </span>
       )}
@@ -95,12 +95,17 @@ function ShownFigures({ page }: { page: Page }) {
       </span>
       <span class="wide-only">{counted(faces, "face")}</span>
       {sides !== undefined && (
-        <span data-tip="Sides of the box around what is shown. The unit is set under View.">
+        <span data-tip={sizeTip("what is shown", sides, editor.view.unit.value)}>
           {formatSize(sides, editor.view.unit.value)}
         </span>
       )}
     </>
   );
+}
+
+function sizeTip(around: string, sides: readonly number[], unit: Unit): string {
+  const inMm = formatSizeInMm(sides, unit);
+  return `Sides of the box around ${around}${inMm === "" ? "" : `: ${inMm}`}. The unit is set under View.`;
 }
 
 function sidesOf({ low, high }: Box): number[] {

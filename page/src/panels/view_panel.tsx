@@ -1,4 +1,5 @@
 import { commandOf, type Page } from "../app/page";
+import type { Unit } from "../app/units";
 import type { HeatMap, Shading } from "../app/view_settings";
 import { keysOf } from "./command_button";
 import { Segments, Select, Toggle, type Choice } from "./ui/fields";
@@ -17,11 +18,13 @@ const heatMaps: readonly Choice<HeatMap>[] = [
   { value: "detail", label: "Detail" },
   { value: "seam", label: "Seam" },
 ];
-const units: readonly Choice<"mm" | "cm" | "m" | "in" | "none">[] = [
+const units: readonly Choice<Unit>[] = [
+  { value: "µm", label: "Micrometres" },
   { value: "mm", label: "Millimetres" },
   { value: "cm", label: "Centimetres" },
   { value: "m", label: "Metres" },
   { value: "in", label: "Inches" },
+  { value: "ft", label: "Feet" },
   { value: "none", label: "None" },
 ];
 
@@ -111,8 +114,8 @@ export function ViewPanel({ page }: { page: Page }) {
         label="Unit"
         value={view.unit.value}
         choices={units}
-        help="What a unit of the model is. Files have none of their own."
-        onChange={(to) => (view.unit.value = to)}
+        help="What a unit of the model is. 3MF and glTF files name it, others do not."
+        onChange={(to) => view.chooseUnit(to)}
       />
     </Section>
   );

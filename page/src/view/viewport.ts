@@ -355,7 +355,7 @@ export class Viewport {
     this.navigation.update(host.clientWidth / host.clientHeight);
     for (const call of this.onFrame) call();
     this.cube.update();
-    this.notes.update(this.worldPerPixel(this.navigation.target), this.main?.size, settings.unit.value);
+    this.notes.update(this.worldPerPixel(this.navigation.target), this.main !== undefined, settings.unit.value);
     const moving = this.navigation.isMoving || start < this.posesMoveUntil;
     const mayReduce = settings.lessWhileMoving.value;
     const coarse = this.scheduler.wantsCoarse(moving, mayReduce);

@@ -46,6 +46,9 @@ async function type(label: string, text: string): Promise<void> {
 test("a handle is posed by numbers with units, renamed, put back and removed", async () => {
   const { user } = harness;
   await makeHandle();
+  await user.click("View");
+  await user.page.getByLabel("Unit", { exact: true }).selectOption("mm"); // a sample has no unit of its own
+  await user.click("View");
   await type("Move X", "5 cm");
   await type("Turn angle", "2 turns");
   await type("Scale", "150 %");

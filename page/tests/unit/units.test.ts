@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
 import {
-  counted, formatBytes, formatCount, formatLength, formatNumber, formatPercent, formatSeconds, formatSize, parseQuantity,
+  counted, formatBytes, formatCount, formatLength, formatNumber, formatPercent, formatSeconds, formatSize, formatSizeInMm,
+  parseQuantity, unitsOfFiles,
 } from "../../src/app/units";
 
 describe("numbers that people read", () => {
@@ -21,7 +22,9 @@ describe("numbers that people read", () => {
   test("units, counts, times and sizes", () => {
     expect(formatLength(12.5, "mm")).toBe("12.5 mm");
     expect(formatLength(12.5, "none")).toBe("12.5");
-    expect(formatSize([1, 2, 0.5], "in")).toBe("25.4 × 50.8 × 12.7 mm");
+    expect(formatSize([1, 2, 0.5], "in")).toBe("1 × 2 × 0.5 in");
+    expect(formatSizeInMm([1, 2, 0.5], "in")).toBe("25.4 × 50.8 × 12.7 mm");
+    for (const unit of ["mm", "none"] as const) expect(formatSizeInMm([1, 2, 0.5], unit)).toBe("");
     expect(formatSize([1, 2, 0.5], "none")).toBe("1 × 2 × 0.5");
     expect(formatCount(1234567)).toBe("1\u202f234\u202f567");
     expect(counted(1, "vertex", "vertices")).toBe("1 vertex");
@@ -58,6 +61,17 @@ describe("numbers that people type", () => {
     ["", "number"], ["abc", "number"], ["1 2", "number"], ["(1", "number"], ["1/0", "number"], ["2 kg", "length"], ["5 mm", "angle"],
     ["1+", "number"], ["50 %", "length"],
   ] as const)("%s is no %s", (text, quantity) => expect(parseQuantity(text, quantity, "mm")).toBeUndefined());
+
+  test("every unit of a file takes lengths in other units", () => {
+    const inch = (named: keyof typeof unitsOfFiles) => parseQuantity("1 in", "length", unitsOfFiles[named]);
+    expect(inch("micron")).toBeCloseTo(25400, 8);
+    expect(inch("millimeter")).toBeCloseTo(25.4, 12);
+    expect(inch("centimeter")).toBeCloseTo(2.54, 12);
+    expect(inch("inch")).toBe(1);
+    expect(inch("foot")).toBeCloseTo(1 / 12, 12);
+    expect(inch("meter")).toBeCloseTo(0.0254, 12);
+    expect(inch("")).toBeUndefined();
+  });
 
   test("a model without a unit takes none", () => {
     expect(parseQuantity("5", "length", "none")).toBe(5);

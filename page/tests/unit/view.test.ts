@@ -26,7 +26,7 @@ import { depthInRegion } from "../../src/view/surface/roles";
 import { Slices } from "../../src/view/surface/slices";
 import { runsOf, spanOfChange } from "../../src/view/surface/spans";
 import { viewFrom } from "../../src/view/view_cube";
-import { lengthText, sizeText } from "../../src/view/view_notes";
+import { lengthText } from "../../src/view/view_notes";
 import { textureSize } from "../../src/view/surface/weight_textures";
 
 /** Returns a generator of numbers from 0 to 1, the same for the same seed. */
@@ -464,7 +464,6 @@ describe("notes", () => {
     expect(roundLength(1)).toBe(1);
     expect(lengthText(0.5, "mm")).toBe("0.5 mm");
     expect(lengthText(12.3456, "none")).toBe("12.3");
-    expect(sizeText(new Vector3(1, 2, 3), "in")).toBe("1 × 2 × 3 in (25.4 × 50.8 × 76.2 mm)");
   });
 });
 

@@ -96,7 +96,7 @@ export function NumberField(props: NumberFieldProps) {
       {suffix !== undefined && suffix !== "" && <span class="suffix">{suffix}</span>}
       {told && (
         <span class="number-says" role="alert" id={saysId}>
-          {parsed === undefined ? writingWords(quantity) : rangeWords(props)}
+          {parsed === undefined ? writingWords(quantity, unit) : rangeWords(props)}
         </span>
       )}
     </span>
@@ -117,9 +117,9 @@ export function isInRange(value: number, { min = -Infinity, max = Infinity, abov
 }
 
 /** Returns examples of how a quantity can be written. */
-function writingWords(quantity: Quantity): string {
+function writingWords(quantity: Quantity, unit: Unit): string {
   if (quantity === "angle") return "degrees or turns: 45, 2 turns";
-  if (quantity === "length") return "a length: 12.5, 3 mm, 1 cm / 4";
+  if (quantity === "length") return unit === "none" ? "a length: 12.5, 3 / 4" : "a length: 12.5, 3 mm, 1 cm / 4";
   return quantity === "factor" ? "a factor: 1.5, 150 %" : "a number: 12.5, 3 / 4";
 }
 

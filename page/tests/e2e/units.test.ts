@@ -1,0 +1,76 @@
+import { writeFileSync } from "node:fs";
+import { zipSync, strToU8 } from "three/examples/jsm/libs/fflate.module.js";
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { EditorHarness, run } from "./harness";
+
+let harness: EditorHarness;
+beforeAll(async () => {
+  harness = await EditorHarness.open();
+  for (const file of ["bar.obj", "bar.glb"]) run("sample", "bar", "--resolution", "8", "-o", harness.folder.file(file));
+  writeFileSync(harness.folder.file("inches.3mf"), threemf("inch"));
+  await open("bar.obj");
+  await harness.user.click("View");
+});
+afterAll(() => harness.close());
+
+/** Returns a 3MF file with a tetrahedron, 2 units high. */
+function threemf(unit: string): Uint8Array {
+  const at = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 2]].map(([x, y, z]) => `<vertex x="${x}" y="${y}" z="${z}"/>`);
+  const faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(([a, b, c]) => `<triangle v1="${a}" v2="${b}" v3="${c}"/>`);
+  const mesh = `<mesh><vertices>${at.join("")}</vertices><triangles>${faces.join("")}</triangles></mesh>`;
+  const xml = '<?xml version="1.0" encoding="UTF-8"?>';
+  const types = "http://schemas.openxmlformats.org/package/2006";
+  const core = "http://schemas.microsoft.com/3dmanufacturing";
+  return zipSync({
+    "[Content_Types].xml": strToU8(
+      `${xml}<Types xmlns="${types}/content-types"><Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/><Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>`,
+    ),
+    "_rels/.rels": strToU8(
+      `${xml}<Relationships xmlns="${types}/relationships"><Relationship Id="rel0" Target="/3D/3dmodel.model" Type="${core}/2013/01/3dmodel"/></Relationships>`,
+    ),
+    "3D/3dmodel.model": strToU8(
+      `${xml}<model unit="${unit}" xmlns="${core}/core/2015/02"><resources><object id="1" type="model">${mesh}</object></resources><build><item objectid="1"/></build></model>`,
+    ),
+  });
+}
+
+async function open(file: string): Promise<void> {
+  const { user, folder } = harness;
+  await user.page.evaluate((path) => window.meshgraft.editor.open({ do: "open", path }), folder.file(file));
+  await user.rests();
+}
+
+const statusBar = () => harness.user.page.getByLabel("Status", { exact: true });
+const chosenUnit = () => harness.user.page.getByLabel("Unit", { exact: true });
+
+test("lengths have the unit that the file names, and none where it names none", async () => {
+  const { user } = harness;
+  for (const [file, unit, size] of [
+    ["bar.obj", "none", /\d × [\d.]+ × [\d.]+$/],
+    ["bar.glb", "m", /\d × [\d.]+ × [\d.]+ m$/],
+    ["inches.3mf", "in", /1 × 1 × 2 in$/],
+    ["bar.obj", "none", /\d × [\d.]+ × [\d.]+$/],
+  ] as const) {
+    await open(file);
+    expect(await chosenUnit().inputValue(), file).toBe(unit);
+    await statusBar().getByText(size).waitFor();
+    const scale = await user.page.locator(".view-notes").innerText();
+    expect(scale.trim(), file).toMatch(unit === "none" ? /^[\d.]+$/ : new RegExp(`^[\\d.]+ ${unit}$`));
+  }
+  expect(user.complaints).toEqual([]);
+});
+
+test("a unit is chosen for a model, and for all whose files name none", async () => {
+  await open("bar.glb");
+  await chosenUnit().selectOption("cm");
+  await statusBar().getByText(/ cm$/).waitFor();
+  await open("bar.obj");
+  await statusBar().getByText(/ × [\d.]+$/).waitFor();
+  await chosenUnit().selectOption("mm");
+  await open("inches.3mf");
+  await statusBar().getByText("1 × 1 × 2 in").waitFor();
+  await open("bar.obj");
+  await statusBar().getByText(/ mm$/).waitFor();
+  await chosenUnit().selectOption("none");
+  expect(harness.user.complaints).toEqual([]);
+});
