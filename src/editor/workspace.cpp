@@ -80,16 +80,15 @@ Json object_summary(const Object& object) {
           {"diagonal", object.diagonal}};
 }
 
-// Returns the unit of length that the files behind a mesh name, as 3MF spells it. Returns an empty string
-// where none of them names one.
+// Returns the unit of length that the file behind a mesh names, as 3MF spells it. Returns an empty string
+// where it names none. The first file behind a graft is the target's.
 std::string length_unit(const Mesh& mesh) {
-  for (const io::FileDocument* document : io::documents_of(mesh)) {
-    if (std::string unit = document->unit(); !unit.empty()) return unit;
-    const std::string extension = document->path.extension().string();
-    for (const char* gltf : {".glb", ".gltf", ".GLB", ".GLTF"})
-      if (extension == gltf) return "meter";  // the unit of every glTF file
-  }
-  return {};
+  const std::vector<const io::FileDocument*> documents = io::documents_of(mesh);
+  if (documents.empty()) return {};
+  const std::string extension = documents.front()->path.extension().string();
+  for (const char* gltf : {".glb", ".gltf", ".GLB", ".GLTF"})
+    if (extension == gltf) return "meter";  // the unit of every glTF file
+  return documents.front()->unit();
 }
 
 Json handle_summary(const Json& step, const Json& handle, const LiveView& view) {
