@@ -46,7 +46,7 @@ class PrivateFolder {
   PrivateFolder(const PrivateFolder&) = delete;
   PrivateFolder& operator=(const PrivateFolder&) = delete;
 
-  fs::path uploads() const { return path_ / "uploads"; }
+  fs::path uploads() const { return path_ / upload_folder_name; }
 
   /// Writes a page that leads to the address.
   fs::path write_page(const std::string& url) const {

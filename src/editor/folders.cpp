@@ -6,6 +6,8 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -115,6 +117,42 @@ bool stands_on_y(const fs::path& file) {
                  [](unsigned char c) { return std::tolower(c); });
   constexpr std::array y_up = {".obj", ".gltf", ".glb", ".ply", ".off"};
   return std::find(y_up.begin(), y_up.end(), extension) != y_up.end();
+}
+
+namespace {
+
+// Returns a path as the user knows it.
+std::string known_as(const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  const bool is_upload = folder.is_absolute() &&
+                         (folder.filename() == upload_folder_name || folder.extension() == kept_folder_suffix);
+  return is_upload ? uploaded_as(fs::path(path).filename()).string() : path;
+}
+
+Fact with_upload_names(const Fact& fact) {
+  std::vector<FieldValue> values = fact.values();
+  for (FieldValue& value : values)
+    if (auto* text = std::get_if<std::string>(&value)) *text = known_as(*text);
+  return {fact.type(), std::move(values)};
+}
+
+}  // namespace
+
+Error with_upload_names(const Error& error) {
+  Location location;
+  for (const LocationPart& part : error.location().parts()) {
+    switch (part.kind) {
+      case LocationPart::Kind::file: location = location / Location::file(known_as(part.name)); break;
+      case LocationPart::Kind::field: location = location / Location::field(part.name); break;
+      case LocationPart::Kind::element: location = location[part.index]; break;
+      case LocationPart::Kind::handle: location = location / Location::handle(part.name); break;
+      case LocationPart::Kind::pair: location = location / Location::pair(part.index); break;
+      case LocationPart::Kind::place: location = location / Location::place(part.name); break;
+    }
+  }
+  Error named(with_upload_names(error.fact()), location);
+  for (const Note& note : error.notes()) named = named.with(with_upload_names(note));
+  return named;
 }
 
 fs::path uploaded_as(const fs::path& upload) {

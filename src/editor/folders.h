@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::editor {
@@ -47,8 +49,15 @@ std::filesystem::path copy_into(const std::filesystem::path& folder, const std::
 /// convention of most programs that write them.
 bool stands_on_y(const std::filesystem::path& file);
 
+/// The name of the folder of uploads. Uploaded parts of a session lie in a folder with the second suffix.
+inline constexpr std::string_view upload_folder_name = "uploads", kept_folder_suffix = ".parts";
+
 /// Returns the original name of an uploaded file, without the suffix that the server appends to make it
 /// unique.
 std::filesystem::path uploaded_as(const std::filesystem::path& upload);
+
+/// Returns the error with the original names of uploaded files in its location, fields and notes, in place of
+/// the paths where they are kept.
+Error with_upload_names(const Error& error);
 
 }  // namespace meshgraft::editor

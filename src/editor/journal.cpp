@@ -169,7 +169,7 @@ fs::path Journal::set_aside() {
   for (int number = 1; aside.empty() || fs::exists(aside); ++number)
     aside = path_.string() + fmt::format(".aside-{}", number);
   fs::rename(path_, aside);
-  if (fs::exists(kept_folder())) fs::rename(kept_folder(), aside.string() + ".parts");
+  if (fs::exists(kept_folder())) fs::rename(kept_folder(), aside.string() + std::string(kept_folder_suffix));
   file_ = platform::File();
   found_.reset();
   return aside;

@@ -8,6 +8,7 @@
 
 #include "core/platform/file.h"
 #include "document.h"
+#include "folders.h"
 #include "history.h"
 
 namespace meshgraft::editor {
@@ -50,7 +51,7 @@ class Journal {
   /// Copies a file that lasts no longer than the program to a folder beside the journal, which is deleted
   /// with the journal. Returns the copy. Throws Error(io).
   std::filesystem::path keep(const std::filesystem::path& file);
-  std::filesystem::path kept_folder() const { return path_.string() + ".parts"; }
+  std::filesystem::path kept_folder() const { return path_.string() + std::string(kept_folder_suffix); }
 
   // Each of these throws Error(io) with the id editor.journal_not_written where writing fails.
   void add(const std::string& label, const std::string& before, const std::string& after);

@@ -7,6 +7,7 @@
 #include "binary_message.h"
 #include "document.h"
 #include "editor/facts.h"
+#include "folders.h"
 #include "script/fact_json.h"
 #include "script/facts.h"
 #include "script/json_value.h"
@@ -41,7 +42,7 @@ void Outbox::reply(const Json& id, Json result) const {
 }
 
 void Outbox::refuse(const Json& id, const Error& error) const {
-  channel_->send_text(text_of({{"re", id}, {"error", error_json(error)}}));
+  channel_->send_text(text_of({{"re", id}, {"error", error_json(with_upload_names(error))}}));
 }
 
 void Outbox::tell(std::string_view event, Json fields, std::string_view slot) const {
