@@ -85,9 +85,7 @@ Json object_summary(const Object& object) {
 std::string length_unit(const Mesh& mesh) {
   const std::vector<const io::FileDocument*> documents = io::documents_of(mesh);
   if (documents.empty()) return {};
-  const std::string extension = documents.front()->path.extension().string();
-  for (const char* gltf : {".glb", ".gltf", ".GLB", ".GLTF"})
-    if (extension == gltf) return "meter";  // the unit of every glTF file
+  if (documents.front()->format() == "glTF") return "meter";  // the unit of every glTF file
   return documents.front()->unit();
 }
 
