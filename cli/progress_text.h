@@ -6,7 +6,7 @@
 
 namespace meshgraft::cli {
 
-/// Words progress for people: "TASK (NUMBER of COUNT): STAGE". What is not given is left out.
+/// Words progress for people: "TASK (NUMBER of COUNT): STAGE". Absent parts are left out.
 std::string progress_text(const Progress& progress);
 
 }  // namespace meshgraft::cli

@@ -6,8 +6,8 @@
 
 namespace meshgraft::cli {
 
-/// Words a fact in the terms of the command line: flags and commands. What cli/texts.json does not word is
-/// worded as by the library.
+/// Words a fact in the terms of the command line: flags and commands. Facts without words in cli/texts.json get
+/// the text of the library.
 FactText text_of(const Fact& fact);
 
 /// Returns "location: problem. remedy", and after it the error's notes.

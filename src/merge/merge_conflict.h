@@ -31,9 +31,9 @@ enum class MergeConflict {
   size_pose_kept,        ///< the size is kept with the pose
 };
 
-/// Returns the first conflict of a request, in the order of the enumerators. Which settings of a
-/// merge exclude each other is decided here alone; callers turn the conflict into their own error. The library
-/// itself allows a size with a kept pose.
+/// Returns the first conflict of a request, in the order of the enumerators. Only this function decides which
+/// settings of a merge exclude each other; callers turn the conflict into their own error. The library itself
+/// allows a size with a kept pose.
 std::optional<MergeConflict> find_conflict(const MergeRequest& request);
 
 }  // namespace meshgraft

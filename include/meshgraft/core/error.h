@@ -50,8 +50,8 @@ struct FactType {
   std::string_view remedy;  ///< what the caller can do, with fields likewise; may be empty
 };
 
-/// Holds what an error or a note says, apart from any sentence: a type and the values of its fields. An
-/// interface of the product words facts in its own terms (`fill_in`). The texts here are those of the library.
+/// Holds the content of an error or a note without a sentence: a type and the values of its fields. A front end
+/// (command line, editor) words facts in its own terms (`fill_in`). The texts here are those of the library.
 class Fact {
  public:
   /// `values` are in the order of the type's fields. `type` must outlive the fact; the tables' types always
@@ -105,9 +105,9 @@ FactText library_text(const Fact& fact);
 /// Returns all types of facts that the library knows, in the order of their layers and ids.
 std::span<const FactType* const> fact_types();
 
-/// Kinds of errors. All interfaces of the product use these codes.
+/// Kinds of errors. The library and all front ends use these codes.
 enum class ErrorCode {
-  usage,       ///< the call or the command line is malformed
+  usage,       ///< the call is malformed
   input,       ///< a file, a mesh or an option's value is not acceptable
   unsolvable,  ///< the input is well formed, but the edit it asks for has no unique or no finite solution
   io,          ///< reading or writing a file failed

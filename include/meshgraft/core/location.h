@@ -27,7 +27,7 @@ struct LocationPart {
 };
 
 /// Tells where an error is: parts from the outermost to the innermost, e.g. a file, a list of it, an element, a
-/// field. It may be empty. An interface of the product may rename or leave out parts before it shows them.
+/// field. It may be empty. A front end may rename or leave out parts before it shows them.
 class Location {
  public:
   Location() = default;

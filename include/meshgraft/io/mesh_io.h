@@ -41,7 +41,7 @@ struct WriteResult {
 ///
 /// A mesh that was read from the same format and has its topology unchanged is written as it was read. This
 /// covers scalar types, byte order, property order, comments, groups, .mtl reference and unknown elements;
-/// only changed positions and normals are new. Any other mesh is written from its positions, faces and
+/// only changed positions, normals and tangents are new. Any other mesh is written from its positions, faces and
 /// attributes. An OBJ whose materials come from several files, or from another folder, gets a material
 /// library beside it; a new .gltf gets its buffer (docs/files.md).
 ///

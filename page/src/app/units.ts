@@ -50,11 +50,6 @@ export function asTyped(angleDeg: number, typed: number): number {
   return Math.abs(turns - Math.round(turns)) < 0.1 / 360 + 1e-9 ? typed : angleDeg;
 }
 
-/** Formats a length in model units, with the unit's name. */
-export function formatLength(value: number, unit: Unit, digits = 4): string {
-  return unit === "none" ? formatNumber(value, digits) : `${formatNumber(value, digits)} ${unit}`;
-}
-
 /** Formats the side lengths of a box in model units, with the unit's name. */
 export function formatSize(sides: readonly number[], unit: Unit): string {
   const text = sides.map((side) => formatNumber(side, 3)).join(" × ");

@@ -17,7 +17,7 @@ export interface PageError extends Told {
 /** The reason why a request failed. */
 export type Failure = EngineError | PageError;
 
-/** The page's words for a fact. What is absent is worded by the engine. A note with words has its problem at least. */
+/** The page's words for a fact. Absent texts are those of the engine. A note with words has its problem at least. */
 interface FactText {
   problem?: string;
   remedy?: string;

@@ -1,6 +1,6 @@
 import { describe, expect, test } from "vitest";
 import {
-  counted, formatBytes, formatCount, formatLength, formatNumber, formatPercent, formatSeconds, formatSize, formatSizeInMm,
+  counted, formatBytes, formatCount, formatNumber, formatPercent, formatSeconds, formatSize, formatSizeInMm,
   parseQuantity, unitsOfFiles,
 } from "../../src/app/units";
 
@@ -20,8 +20,6 @@ describe("numbers that people read", () => {
   });
 
   test("units, counts, times and sizes", () => {
-    expect(formatLength(12.5, "mm")).toBe("12.5 mm");
-    expect(formatLength(12.5, "none")).toBe("12.5");
     expect(formatSize([1, 2, 0.5], "in")).toBe("1 × 2 × 0.5 in");
     expect(formatSizeInMm([1, 2, 0.5], "in")).toBe("25.4 × 50.8 × 12.7 mm");
     for (const unit of ["mm", "none"] as const) expect(formatSizeInMm([1, 2, 0.5], unit)).toBe("");

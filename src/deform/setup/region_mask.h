@@ -9,8 +9,8 @@
 
 namespace meshgraft {
 
-/// Returns the mask of a region without its handles, features and anchors. What lies outside the region or is
-/// fixed is known, all other vertices are unknown. Throws Error(input) for a vertex that does not exist.
+/// Returns the mask of a region without its handles, features and anchors. Vertices outside the region and
+/// fixed vertices are known, all others are unknown. Throws Error(input) for a vertex that does not exist.
 ConstraintMask mask_of_region(Index count, const Region& region);
 
 /// The constrained vertices in the order in which their values come with each evaluation. A `ConstraintMask`

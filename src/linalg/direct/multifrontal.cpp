@@ -105,7 +105,8 @@ MultifrontalFactor::Front MultifrontalFactor::front(int node) const {
   const int first = pattern_.first_position[node];
   return {first, pattern_.first_position[node + 1] - first,
           static_cast<int>(pattern_.rows_begin[node + 1] - pattern_.rows_begin[node]),
-          pattern_.rows.data() + pattern_.rows_begin[node], values_.get() + panel_begin_[node]};
+          pattern_.rows.data() + pattern_.rows_begin[node],
+          values_ == nullptr ? nullptr : values_.get() + panel_begin_[node]};
 }
 
 MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
