@@ -13,7 +13,8 @@ namespace {
 
 using nlohmann::json;
 
-#if !defined(MESHGRAFT_SANITIZES_ADDRESSES) && !defined(MESHGRAFT_SANITIZES_THREADS)  // sanitizers map more than these limits
+#if !defined(MESHGRAFT_SANITIZES_ADDRESSES) && \
+    !defined(MESHGRAFT_SANITIZES_THREADS)  // sanitizers map more than these limits
 TEST_F(CommandLine, TooLittleMemoryEndsInGoodTime) {
   write("bar.json",
         R"({"format": "meshgraft-edit", "version": 2, "inputs": {"bar": {"sample": "bar", "resolution": 100}},

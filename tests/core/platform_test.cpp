@@ -219,7 +219,8 @@ TEST(PlatformMemoryDeathTest, ALimitOfTheProcessCounts) {
     const rlimit low{limit, limit};
     bool holds = ::setrlimit(RLIMIT_AS, &low) == 0 && platform::process_memory_limit() == limit &&
                  !platform::can_reserve_address_space(limit);
-#if !defined(MESHGRAFT_SANITIZES_ADDRESSES) && !defined(MESHGRAFT_SANITIZES_THREADS)  // sanitizers need more to open a file
+#if !defined(MESHGRAFT_SANITIZES_ADDRESSES) && \
+    !defined(MESHGRAFT_SANITIZES_THREADS)  // sanitizers need more to open a file
     holds = holds && available_memory() <= limit;
 #endif
     std::_Exit(holds ? 0 : 1);

@@ -70,7 +70,8 @@ TEST(Editor, SendsThePicturesOfItsFoldersAlone) {
   page.ask({{"do", "open"}, {"path", (folder / "model.obj").string()}});
   Frame frame = page.frame(1);
   EXPECT_EQ(frame.pictures, (std::map<int, std::string>{{1, "picture"}}));
-  EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0, 1})) << "one picture for both materials";
+  EXPECT_EQ(frame.indices["pictures"], (std::vector<std::int32_t>{1, 1, 0, 1}))
+      << "one picture for both materials";
   const std::vector<float>& uv = frame.numbers["corner_uv"];
   ASSERT_EQ(uv.size(), 24u);
   for (std::size_t c = 0; c < 6; ++c) {  // the model's UVs equal its x and y

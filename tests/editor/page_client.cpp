@@ -58,7 +58,8 @@ RunningEditor::RunningEditor(const std::vector<std::filesystem::path>& folders,
     editor::EditorOptions options;
     options.folders = folders;
     options.models = models;
-    editor::run_editor(options, [&](const editor::EditorAddress& address) { url.set_value(address.url); }, stop);
+    editor::run_editor(
+        options, [&](const editor::EditorAddress& address) { url.set_value(address.url); }, stop);
   });
   url_ = listening.get();
 }

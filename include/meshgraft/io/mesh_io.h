@@ -41,8 +41,8 @@ struct WriteResult {
 ///
 /// A mesh that was read from the same format and has its topology unchanged is written as it was read. This
 /// covers scalar types, byte order, property order, comments, groups, .mtl reference and unknown elements;
-/// only changed positions, normals and tangents are new. Any other mesh is written from its positions, faces and
-/// attributes. An OBJ whose materials come from several files, or from another folder, gets a material
+/// only changed positions, normals and tangents are new. Any other mesh is written from its positions, faces
+/// and attributes. An OBJ whose materials come from several files, or from another folder, gets a material
 /// library beside it; a new .gltf gets its buffer (docs/files.md).
 ///
 /// Throws Error(io) if the file cannot be written, with the id io.file_exists if it must not be replaced.
@@ -51,8 +51,8 @@ struct WriteResult {
 WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options = {},
                        const Context& context = {});
 
-/// Returns notes on the files behind a mesh: io.other_format for each whose content is of another format than its
-/// extension says.
+/// Returns notes on the files behind a mesh: io.other_format for each whose content is of another format than
+/// its extension says.
 std::vector<Note> notes_on_files(const Mesh& mesh);
 
 /// Returns the unit of length of the file behind a mesh ("millimeter", "inch"). It is empty where the file
