@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view folder_stem = "meshgraft-editor-";
+constexpr std::string_view folder_stem = "meshgraft-editor-", new_folder_stem = "meshgraft-new-editor-";
 
 /// A folder that only this user may read, for uploads and the page that leads to the editor. It is deleted when
 /// the program ends. Folders of programs that were killed are deleted by the next one.
@@ -32,10 +32,11 @@ class PrivateFolder {
   PrivateFolder() {
     remove_forsaken();
     std::error_code error;
-    path_ = platform::make_private_folder(fs::temp_directory_path() / folder_stem, error);
+    path_ = platform::make_private_folder(fs::temp_directory_path() / new_folder_stem, error);
     if (!error) lock_ = platform::File(path_ / "lock", platform::OpenMode::append_or_create, error);
     if (!error) error = lock_.try_lock();
     if (!error) fs::create_directory(uploads(), error);
+    if (!error) take_final_name(error);
     if (error) throw Error(facts::editor::NoPrivateFolder{}, path_);
     path_ = fs::canonical(path_);
   }
@@ -64,6 +65,14 @@ class PrivateFolder {
   }
 
  private:
+  // Only folders whose lock is held have the final name, so that no program takes a new one for forsaken.
+  void take_final_name(std::error_code& error) {
+    const std::string random = path_.filename().string().substr(new_folder_stem.size());
+    const fs::path final_path = path_.parent_path() / (std::string(folder_stem) + random);
+    fs::rename(path_, final_path, error);
+    if (!error) path_ = final_path;
+  }
+
   // A running program holds the lock in its folder. Folders of other users cannot be entered.
   static void remove_forsaken() {
     std::error_code ignored;
