@@ -16,7 +16,7 @@ struct EditorOptions {
   bool or_free_port = false;                   ///< any free port where `port` is taken
 };
 
-/// Where a browser finds the editor.
+/// The address of the editor for a browser.
 struct EditorAddress {
   std::string url;  ///< contains the token
   /// A web page that leads to `url`, which only this user may read. Programs take it as an argument, because
