@@ -105,7 +105,7 @@ std::string repaired_name(const std::filesystem::path& mesh) {
 }
 
 // Openings may be meant. Closing them is a choice and mends nothing.
-bool is_choice(const RepairChange& change) { return change.name == "filled-hole"; }
+bool is_choice(const RepairChange& change) { return change.kind == RepairChangeKind::filled_hole; }
 
 // Returns the changes that a repair would make.
 std::vector<RepairChange> repairs_of(const Mesh& mesh, const Context& context) {
@@ -126,7 +126,7 @@ Json changes_json(const std::vector<RepairChange>& changes) {
   Json list = Json::array();
   constexpr std::size_t most = 10;
   for (const RepairChange& change : changes)
-    list.push_back({{"name", change.name},
+    list.push_back({{"name", name_of(change.kind)},
                     {"count", change.count},
                     {"domain", domain_name(change.domain)},
                     {"first", std::vector<Index>(change.indices.begin(),
@@ -141,7 +141,7 @@ Json changes_json(const std::vector<RepairChange>& changes) {
 void print_changes(const std::vector<RepairChange>& changes) {
   std::string label = "a repair";
   for (const RepairChange& change : changes) {
-    fmt::print("  {:<12}{}: {}{}\n", label, change.name, text_of(change.note).statement,
+    fmt::print("  {:<12}{}: {}{}\n", label, name_of(change.kind), text_of(change.note).statement,
                is_choice(change) ? " (a choice: openings may be meant)" : "");
     label = "";
   }

@@ -80,7 +80,7 @@ CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments
   const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
   try {
     if (!along.plane) return cut_along_loop(usable.mesh(), along.loop, options, context);
-    return cut_by_plane(usable.mesh(), along.plane->point, along.plane->normal, options, context);
+    return cut_by_plane(usable.mesh(), *along.plane, options, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw usable.explained(error).within(arguments.by());

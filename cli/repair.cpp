@@ -72,7 +72,7 @@ Json report_json(const RepairArguments& arguments, const Mesh& given, const Repa
                  const Diagnostics& left, const WrittenRepair& written, bool with_maps) {
   Json changes = Json::array();
   for (const RepairChange& change : result.changes)
-    changes.push_back({{"name", change.name},
+    changes.push_back({{"name", name_of(change.kind)},
                        {"count", change.count},
                        {"domain", domain_name(change.domain)},
                        {"indices", change.indices},

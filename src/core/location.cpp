@@ -1,4 +1,4 @@
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 
 #include <algorithm>
 #include <utility>

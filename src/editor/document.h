@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/location.h>
 #include <meshgraft/script/edit_file.h>
 
 namespace meshgraft::editor {

@@ -135,7 +135,7 @@ Json graft_fields(const ShownGraft& graft) {
           {"pairs", pairs},
           {"seam", seam_summary(report.seam)},
           {"inverted", report.shape.inverted},
-          {"self_intersections", merge.self_intersections},
+          {"self_intersections", merge.intersections.result},
           {"notes", to_json(graft.report.notes)}};
 }
 

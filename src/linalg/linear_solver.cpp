@@ -17,6 +17,25 @@ std::vector<SolverBackend> available_backends() {
 #endif
 }
 
+std::string_view name_of(SolverBackend backend) {
+  switch (backend) {
+    case SolverBackend::automatic: return "auto";
+    case SolverBackend::multifrontal: return "multifrontal";
+    case SolverBackend::eigen: return "eigen";
+    case SolverBackend::iterative: return "iterative";
+  }
+  return {};
+}
+
+std::string_view name_of(Ordering ordering) {
+  switch (ordering) {
+    case Ordering::minimum_degree: return "amd";
+    case Ordering::nested_dissection: return "metis";
+    case Ordering::mesh_dissection: return "dissection";
+  }
+  return {};
+}
+
 std::unique_ptr<LinearSolver> make_solver(SolverBackend backend) {
   if (backend == SolverBackend::automatic) backend = available_backends().front();
   if (backend == SolverBackend::eigen) return make_eigen_solver();

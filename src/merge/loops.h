@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {

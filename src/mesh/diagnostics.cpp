@@ -10,7 +10,6 @@
 #include "closed_components.h"
 #include "coincident.h"
 #include "core/parallel.h"
-#include "counted_note.h"
 #include "edge_table.h"
 #include "face_defects.h"
 #include "face_keys.h"
@@ -20,6 +19,15 @@
 namespace meshgraft {
 
 namespace {
+
+// A function that returns a note about a number of elements.
+using CountedNote = Note (*)(Index count);
+
+// Returns the note of a class that has the field `count` alone.
+template <class Class>
+Note counted(Index count) {
+  return Class{.count = count};
+}
 
 // Tests blocks in parallel; the order of the result does not depend on them.
 template <class Predicate>

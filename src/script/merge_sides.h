@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/script/edit_file.h>
 
 #include "mesh/sound_mesh.h"

@@ -40,7 +40,7 @@ EditSelection::Kind parse_sphere(const Value& value) {
 
 EditSelection::Kind parse_half_space(const Value& value) {
   const Object fields(value, {"point", "normal"});
-  return Selection::HalfSpace{fields.required("point").vector3(), fields.required("normal").direction()};
+  return Selection::HalfSpace{{fields.required("point").vector3(), fields.required("normal").direction()}};
 }
 
 EditSelection::Kind parse_path(const Value& value) {
@@ -66,8 +66,8 @@ EditSelection::Kind parse_grow_length(const Value& value) {
 
 EditSelection::Kind parse_mirror(const Value& value) {
   const Object fields(value, {"of", "point", "normal", "tolerance_rel"});
-  EditSelection::Mirror mirror{parse_child(fields.required("of")), fields.required("point").vector3(),
-                               fields.required("normal").direction()};
+  EditSelection::Mirror mirror{parse_child(fields.required("of")),
+                               {fields.required("point").vector3(), fields.required("normal").direction()}};
   fields.optional("tolerance_rel", [&](const Value& v) { mirror.tolerance_rel = v.positive_number(); });
   return mirror;
 }

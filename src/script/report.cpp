@@ -31,8 +31,8 @@ Json seconds_json(const StageSeconds& seconds) {
 }
 
 Json solver_json(const SolverStatistics& solver) {
-  Json json = {{"backend", solver.backend},
-               {"ordering", solver.ordering},
+  Json json = {{"backend", name_of(solver.backend)},
+               {"ordering", name_of(solver.ordering)},
                {"unknowns", solver.unknowns},
                {"matrix_nonzeros", solver.matrix_nonzeros},
                {"factor_nonzeros", solver.factor_nonzeros},
@@ -158,8 +158,8 @@ void add_merge(Json& json, const MergeOutcome& merge) {
   json["iterations"] = report.evaluation.iterations;
   json["source_vertices_added"] = report.source_vertices_added;
   json["target_vertices_added"] = report.target_vertices_added;
-  json["self_intersections"] = merge.self_intersections;
-  json["source_self_intersections"] = merge.source_self_intersections;
+  json["self_intersections"] = merge.intersections.result;
+  json["source_self_intersections"] = merge.intersections.source;
   json["target_map"] = merge.target_map.new_index;
   json["source_map"] = merge.source_map.new_index;
   json["new_faces"] = merge.new_faces;
@@ -175,7 +175,7 @@ void add_cut(Json& json, const CutOutcome& cut) {
 // Returns the settings that were used. Published methods use their own defaults.
 Json settings_in_force(const StepReport& step) {
   if (std::holds_alternative<DeformMethod>(step.method)) return settings_json(step.settings);
-  return {{"backend", backend_word(step.settings.deformer.backend)},
+  return {{"backend", name_of(step.settings.deformer.backend)},
           {"refine_boundary", step.settings.refine_boundary},
           {"weld", step.settings.weld}};
 }

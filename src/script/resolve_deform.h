@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/location.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>

@@ -16,7 +16,7 @@ namespace {
 
 CutResult cut(const Mesh& mesh, const CutStep& step, const Context& context) {
   if (const auto* plane = std::get_if<Plane>(&step.along))
-    return cut_by_plane(mesh, plane->point, plane->normal, step.options, context);
+    return cut_by_plane(mesh, *plane, step.options, context);
   return cut_along_loop(mesh, std::get<std::vector<Index>>(step.along), step.options, context);
 }
 

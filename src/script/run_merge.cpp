@@ -231,7 +231,6 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
   report.seconds.select = watch.lap();
 
   MergeResult result;
-  MergeIntersections intersections;
   try {
     if (step.at) {
       const Drop drop{step.at->surface_point, step.size, step.at->spin_deg, pairs.front().loops.source};
@@ -239,11 +238,11 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
       report.notes = std::move(dropped.notes);
-      intersections = dropped.intersections;
+      outcome.intersections = dropped.intersections;
     } else {
       result = merge_meshes(target.sound.mesh(), part, pairs, outcome.options, context);
       const Stopwatch measuring;
-      intersections = count_intersections(part, result, context);
+      outcome.intersections = count_intersections(part, result, context);
       report.seconds.measure = measuring.seconds();
     }
   } catch (const Error& error) {
@@ -261,11 +260,9 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
   outcome.new_faces = result.new_faces;
   outcome.grafted = std::move(result.grafted);
   report.notes.insert(report.notes.end(), outcome.report.notes.begin(), outcome.report.notes.end());
-  outcome.self_intersections = intersections.result;
-  outcome.source_self_intersections = intersections.source;
   if (options.strict && !outcome.report.seam.manifold)
     throw Error(facts::script::StrictNotManifold{}, location);
-  judge_intersections(intersections, step, options.strict, report.notes, location);
+  judge_intersections(outcome.intersections, step, options.strict, report.notes, location);
 
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();

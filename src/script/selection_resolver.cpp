@@ -130,8 +130,7 @@ Selection SelectionResolver::bind_kind(const EditSelection::Intersect& combined,
 }
 
 Selection SelectionResolver::bind_kind(const EditSelection::Mirror& mirror, const Location& location) {
-  return Selection(
-      Selection::Mirror{bind_child(mirror.of, location), mirror.point, mirror.normal, mirror.tolerance_rel});
+  return Selection(Selection::Mirror{bind_child(mirror.of, location), mirror.plane, mirror.tolerance_rel});
 }
 
 Selection SelectionResolver::bind_kind(const EditSelection::Rim& rim, const Location& location) {

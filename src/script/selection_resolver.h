@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/select/selection.h>

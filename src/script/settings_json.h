@@ -20,7 +20,4 @@ std::string pose_word(MergePose pose);
 /// Returns "similar" or "ft05".
 std::string shape_word(MergeShape shape);
 
-/// Returns "auto", "multifrontal", "eigen" or "iterative".
-std::string backend_word(SolverBackend backend);
-
 }  // namespace meshgraft

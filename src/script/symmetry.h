@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/core/location.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/select/selection.h>

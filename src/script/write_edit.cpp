@@ -19,6 +19,10 @@ Json matrix_json(const Eigen::MatrixBase<Derived>& matrix) {
   return rows;
 }
 
+Json plane_json(const Plane& plane) {
+  return {{"point", vector_json(plane.point)}, {"normal", vector_json(plane.normal)}};
+}
+
 Json selection_json(const EditSelection& selection);
 
 // Writes a selection; one overload per kind.
@@ -31,9 +35,7 @@ struct SelectionWriter {
   Json operator()(const Selection::Sphere& s) const {
     return {{"sphere", {{"centre", vector_json(s.centre)}, {"radius", s.radius}}}};
   }
-  Json operator()(const Selection::HalfSpace& s) const {
-    return {{"half_space", {{"point", vector_json(s.point)}, {"normal", vector_json(s.normal)}}}};
-  }
+  Json operator()(const Selection::HalfSpace& s) const { return {{"half_space", plane_json(s.plane)}}; }
   Json operator()(const Selection::Component& s) const { return {{"component", s.number}}; }
   Json operator()(const Selection::Loop& s) const { return {{"loop", s.number}}; }
   Json operator()(const Selection::NearestVertex& s) const { return {{"nearest", vector_json(s.point)}}; }
@@ -64,8 +66,8 @@ struct SelectionWriter {
   Json operator()(const EditSelection::Mirror& s) const {
     return {{"mirror",
              {{"of", selection_json(*s.of)},
-              {"point", vector_json(s.point)},
-              {"normal", vector_json(s.normal)},
+              {"point", vector_json(s.plane.point)},
+              {"normal", vector_json(s.plane.normal)},
               {"tolerance_rel", s.tolerance_rel}}}};
   }
   Json operator()(const EditSelection::Rim& s) const {
@@ -135,12 +137,8 @@ void write_list(Json& json, const char* key, const List& list, Write write) {
   for (const auto& element : list) json[key].push_back(write(element));
 }
 
-Json plane_json(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
-  return {{"point", vector_json(point)}, {"normal", vector_json(normal)}};
-}
-
 Json symmetry_json(const SymmetrySpec& symmetry) {
-  Json json = plane_json(symmetry.plane.point, symmetry.plane.normal);
+  Json json = plane_json(symmetry.plane);
   json["tolerance_rel"] = symmetry.tolerance_rel;
   return json;
 }
@@ -214,7 +212,7 @@ Json counts_json(const MergeCounts& counts) {
 
 // Writes the fields that pose the source before the merge.
 void write_posing(Json& json, const MergeStep& step) {
-  if (step.mirror) json["mirror"] = plane_json(step.mirror->point, step.mirror->normal);
+  if (step.mirror) json["mirror"] = plane_json(*step.mirror);
   if (step.source_transform) json["source_transform"] = matrix_json(*step.source_transform);
   write_list(json, "align", step.align, match_json);
   if (step.size) json["size"] = *step.size;
@@ -264,7 +262,7 @@ Json step_json(const EditStep& edit_step, const CutStep& step) {
   json["mesh"] = step.mesh;
   if (!step.result.empty()) json["result"] = step.result;
   if (const auto* plane = std::get_if<Plane>(&step.along))
-    json["plane"] = plane_json(plane->point, plane->normal);
+    json["plane"] = plane_json(*plane);
   else
     json["loop"] = std::get<std::vector<Index>>(step.along);
   json["keep"] = keep_word(step.options.keep);
@@ -301,7 +299,7 @@ Json deformer_json(const DeformerOptions& options) {
           {"laplacian_weight", operators.laplacian_weight},
           {"laplacian_order", operators.laplacian_order},
           {"residual_corrections", options.residual_corrections},
-          {"backend", backend_word(options.backend)}};
+          {"backend", name_of(options.backend)}};
 }
 
 }  // namespace
@@ -326,16 +324,6 @@ Json settings_json(const MergeSettings& settings) {
   json["band"] = settings.seam.target_rings;
   json["sharp_angle_deg"] = settings.seam.sharp_angle_deg;
   return json;
-}
-
-std::string backend_word(SolverBackend backend) {
-  switch (backend) {
-    case SolverBackend::automatic: return "auto";
-    case SolverBackend::multifrontal: return "multifrontal";
-    case SolverBackend::eigen: return "eigen";
-    case SolverBackend::iterative: return "iterative";
-  }
-  return {};
 }
 
 std::string write_edit(const EditFile& edit) {

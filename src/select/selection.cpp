@@ -169,9 +169,9 @@ class Resolver {
   }
 
   std::vector<Index> vertices(const Selection::HalfSpace& half, const Location& location) const {
-    require_finite(half.point, location / "half_space" / "point");
-    const Eigen::Vector3d normal = unit(half.normal, location / "half_space" / "normal");
-    return vertices_where(count_, [&](Index v) { return (position(v) - half.point).dot(normal) >= 0; });
+    require_finite(half.plane.point, location / "half_space" / "point");
+    const Eigen::Vector3d normal = unit(half.plane.normal, location / "half_space" / "normal");
+    return vertices_where(count_, [&](Index v) { return (position(v) - half.plane.point).dot(normal) >= 0; });
   }
 
   std::vector<Index> vertices(const Selection::Component& component, const Location& location) const {
@@ -317,8 +317,8 @@ class Resolver {
   }
 
   std::vector<Index> vertices(const Selection::Mirror& mirror, const Location& location) const {
-    require_finite(mirror.point, location / "mirror" / "point");
-    const Eigen::Vector3d normal = unit(mirror.normal, location / "mirror" / "normal");
+    require_finite(mirror.plane.point, location / "mirror" / "point");
+    const Eigen::Vector3d normal = unit(mirror.plane.normal, location / "mirror" / "normal");
     require_not_negative(mirror.tolerance_rel, location / "mirror" / "tolerance_rel");
     const std::vector<Index> of = child(mirror.of, location / "mirror" / "of");
     const double tolerance = mirror.tolerance_rel * box_diagonal(context_.mesh.positions);
@@ -327,7 +327,7 @@ class Resolver {
     for (const Index v : of) {
       const Eigen::Vector3d x = position(v);
       if (!x.allFinite()) continue;
-      const auto found = tree.nearest(x - 2 * (x - mirror.point).dot(normal) * normal);
+      const auto found = tree.nearest(x - 2 * (x - mirror.plane.point).dot(normal) * normal);
       if (found && found->distance <= tolerance) images.push_back(found->vertex);
     }
     return ascending(images, [](Index) { return true; });

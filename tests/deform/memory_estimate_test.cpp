@@ -20,7 +20,7 @@ void expect_close(const TestMesh& mesh, SolverBackend backend) {
     options.backend = backend;
     const Deformer deformer(mesh.positions, mesh.triangles, held_foot(scene), options);
     const Index free = deformer.summary().free_vertices;
-    SCOPED_TRACE(mesh.name + ", " + deformer.summary().solver.backend + ", " +
+    SCOPED_TRACE(mesh.name + ", " + std::string(name_of(deformer.summary().solver.backend)) + ", " +
                  std::string(to_string(treatment)) + ", " + std::to_string(free) + " free vertices");
     const double ratio = static_cast<double>(estimated_memory(free, options)) /
                          static_cast<double>(deformer.summary().solver.peak_memory_bytes);

@@ -68,15 +68,18 @@ TEST(MultifrontalSolver, CutsAGraphOnceForSeveralSystems) {
 TEST(MultifrontalSolver, OrdersByMinimumDegreeOrLargeMatricesByNestedDissection) {
   struct Case {
     Index width, height;
-    const char* ordering;
+    Ordering ordering;
   };
-  for (const auto& [width, height, ordering] :
-       {Case{0, 0, "amd"}, {1, 1, "amd"}, {9, 30, "amd"}, {25, 400, "amd"}, {10, 5000, "metis"}}) {
+  for (const auto& [width, height, ordering] : {Case{0, 0, Ordering::minimum_degree},
+                                                {1, 1, Ordering::minimum_degree},
+                                                {9, 30, Ordering::minimum_degree},
+                                                {25, 400, Ordering::minimum_degree},
+                                                {10, 5000, Ordering::nested_dissection}}) {
     const NormalMatrix matrix = lattice_matrix(width, height);
     auto solver = make_solver(SolverBackend::multifrontal);
     solver->analyse(matrix);
     solver->factorise(matrix);
-    EXPECT_EQ(solver->statistics().backend, "multifrontal");
+    EXPECT_EQ(solver->statistics().backend, SolverBackend::multifrontal);
     EXPECT_EQ(solver->statistics().ordering, ordering) << width * height;
     const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(matrix.rows(), -1, 3),
                           rhs = matrix.selfadjointView<Eigen::Lower>() * x;

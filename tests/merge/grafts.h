@@ -37,8 +37,8 @@ inline Graft cut_sample(const std::string& sample, int resolution, const Eigen::
                         const Eigen::Vector3d& normal) {
   const Mesh whole = make_sample(sample, resolution);
   Graft graft{sample,
-              cut_by_plane(whole, point, normal, {.keep = CutKeep::below}).mesh,
-              cut_by_plane(whole, point, normal, {.keep = CutKeep::above}).mesh,
+              cut_by_plane(whole, {point, normal}, {.keep = CutKeep::below}).mesh,
+              cut_by_plane(whole, {point, normal}, {.keep = CutKeep::above}).mesh,
               {}};
   graft.pairs = without_matches(coinciding_loops(graft.target, graft.source));
   graft.closed = boundary_loops(whole).empty();

@@ -48,7 +48,7 @@ TEST(Cut, ALinearFunctionStaysLinearAndSeamsStaySeams) {
     const Mesh mesh = with_linear_attributes(test.mesh, gradient);
     for (const double snap : {0.0, 0.3}) {
       const CutResult cut =
-          cut_by_plane(mesh, centre(mesh) + Vector3d(0.07, 0.03, 0), {1, 0.2, 0.1}, {.snap = snap});
+          cut_by_plane(mesh, {centre(mesh) + Vector3d(0.07, 0.03, 0), {1, 0.2, 0.1}}, {.snap = snap});
       const auto& height = attribute(cut.mesh, Domain::vertex, "height").values;
       const auto& uv = attribute(cut.mesh, Domain::corner, "uv").values;
       const auto& group = attribute(cut.mesh, Domain::face, "group").values;
@@ -73,7 +73,7 @@ TEST(Cut, OneChartStaysLinearWhereVerticesAreMoved) {
   std::size_t corner = 0;
   for (Index f = 0; f < mesh.face_count(); ++f)
     for (const Index v : mesh.faces[f]) uv.values[corner++] = mesh.positions.row(v).dot(gradient);
-  const CutResult cut = cut_by_plane(mesh, centre(mesh), {1, 0.4, 0}, {.snap = 0.3});
+  const CutResult cut = cut_by_plane(mesh, {centre(mesh), {1, 0.4, 0}}, {.snap = 0.3});
   int moved = 0;
   for (Index v = 0; v < cut.mesh.vertex_count(); ++v)
     moved += cut.origin[v].t > 0 && cut.vertex.new_index[cut.origin[v].from] == v;
@@ -87,7 +87,7 @@ TEST(Cut, OneChartStaysLinearWhereVerticesAreMoved) {
 
 TEST(Cut, KeepsTheWholeSurfacesNormalsOnItsLoops) {
   const Mesh sphere = mesh_of(icosphere(3));
-  const CutResult cut = cut_by_plane(sphere, {0.02, 0, 0.3}, {0.1, 0.2, 1});
+  const CutResult cut = cut_by_plane(sphere, {{0.02, 0, 0.3}, {0.1, 0.2, 1}});
   const Attribute& normal = attribute(cut.mesh, Domain::vertex, cut_normal_name);
   ASSERT_EQ(normal.components, 3);
   std::vector<bool> on_loop(cut.mesh.vertex_count(), false);
@@ -115,7 +115,7 @@ TEST(Cut, KeepsTheWholeSurfacesNormalsOnItsLoops) {
   EXPECT_EQ(rows(cut.loops[0]), rows(cut.loops[1]));
 
   // A second cut keeps what the first left.
-  const CutResult again = cut_by_plane(cut.mesh, {0, 0, -0.3}, {0, 0, 1}, {.keep = CutKeep::above});
+  const CutResult again = cut_by_plane(cut.mesh, {{0, 0, -0.3}, {0, 0, 1}}, {.keep = CutKeep::above});
   for (const auto& loop : boundary_loops(again.mesh))
     for (const Index v : loop)
       EXPECT_TRUE(std::isfinite(attribute(again.mesh, Domain::vertex, cut_normal_name).values[3 * v]));

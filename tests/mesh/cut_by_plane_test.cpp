@@ -59,15 +59,15 @@ TEST(Cut, HalvesOfEveryFamilyAreSound) {
         const CutOptions options{.snap = snap};
         CutResult both;
         try {
-          both = cut_by_plane(test.mesh, point, direction, options);
+          both = cut_by_plane(test.mesh, {point, direction}, options);
         } catch (const Error& error) {
           EXPECT_EQ(error.code(), ErrorCode::input);
           continue;  // the plane is parallel to a flat sheet
         }
         const CutResult above =
-            cut_by_plane(test.mesh, point, direction, {.keep = CutKeep::above, .snap = snap});
+            cut_by_plane(test.mesh, {point, direction}, {.keep = CutKeep::above, .snap = snap});
         const CutResult below =
-            cut_by_plane(test.mesh, point, direction, {.keep = CutKeep::below, .snap = snap});
+            cut_by_plane(test.mesh, {point, direction}, {.keep = CutKeep::below, .snap = snap});
         for (const CutResult& result : {both, above, below}) expect_sound(result, test.mesh);
 
         // `both` has the two halves side by side.
@@ -106,8 +106,9 @@ TEST(Cut, SnappingLeavesNoSlivers) {
     for (const Vector3d& direction : directions(20)) {
       if (direction.normalized().z() > 0.9) continue;  // the plane is parallel to the sheet
       const Vector3d point = centre(mesh) + 0.013 * size_of(mesh) * Vector3d(1, -0.7, 0.4);
-      plain = std::min(plain, smallest_angle_deg(cut_by_plane(mesh, point, direction, {.snap = 0}).mesh));
-      snapped = std::min(snapped, smallest_angle_deg(cut_by_plane(mesh, point, direction, {.snap = 0.2}).mesh));
+      plain = std::min(plain, smallest_angle_deg(cut_by_plane(mesh, {point, direction}, {.snap = 0}).mesh));
+      snapped =
+          std::min(snapped, smallest_angle_deg(cut_by_plane(mesh, {point, direction}, {.snap = 0.2}).mesh));
     }
     EXPECT_GT(snapped, 10 * plain);
     EXPECT_GT(snapped, 1.5);
@@ -116,7 +117,7 @@ TEST(Cut, SnappingLeavesNoSlivers) {
 
 TEST(Cut, GoesThroughVerticesThatLieOnIt) {
   const Mesh sheet = shapes::grid(6, 4);
-  const CutResult cut = cut_by_plane(sheet, {3, 0, 0}, {1, 0, 0});
+  const CutResult cut = cut_by_plane(sheet, {{3, 0, 0}, {1, 0, 0}});
   expect_sound(cut, sheet);
   EXPECT_EQ(cut.mesh.vertex_count(), sheet.vertex_count() + 5);
   EXPECT_EQ(cut.mesh.face_count(), sheet.face_count()) << "quads stay whole";
@@ -131,7 +132,7 @@ TEST(Cut, GoesThroughVerticesThatLieOnIt) {
   const Mesh octahedron = shapes::polygons(
       {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
       {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
-  const CutResult equator = cut_by_plane(octahedron, {0, 0, 0}, {0, 0, 1});
+  const CutResult equator = cut_by_plane(octahedron, {{0, 0, 0}, {0, 0, 1}});
   expect_sound(equator, octahedron);
   EXPECT_EQ(equator.mesh.face_count(), 8);
   EXPECT_EQ(equator.mesh.vertex_count(), 10);
@@ -141,7 +142,7 @@ TEST(Cut, APlaneThatOnlyTouchesCutsNothing) {
   const Mesh cube = shapes::cube();
   const auto id = [&](const Vector3d& point, const Vector3d& normal) -> std::string {
     try {
-      cut_by_plane(cube, point, normal);
+      cut_by_plane(cube, {point, normal});
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::input);
       return std::string(error.id());
@@ -156,9 +157,9 @@ TEST(Cut, APlaneThatOnlyTouchesCutsNothing) {
   Mesh other = cube;
   other.positions.col(2).array() += 3;
   const Mesh two = shapes::together({cube, other});
-  EXPECT_THROW(cut_by_plane(two, {0, 0, 2}, {0, 0, 1}), Error);
+  EXPECT_THROW(cut_by_plane(two, {{0, 0, 2}, {0, 0, 1}}), Error);
   // The plane touches one cube and cuts the other.
-  const CutResult cut = cut_by_plane(two, {0.5, 0, 3}, {0.01, 0, 1}, {.snap = 0});
+  const CutResult cut = cut_by_plane(two, {{0.5, 0, 3}, {0.01, 0, 1}}, {.snap = 0});
   EXPECT_EQ(cut.loops.size(), 2u);
 }
 
@@ -167,8 +168,8 @@ TEST(Cut, FacesInThePlaneGoToOneSide) {
   const Mesh step = shapes::polygons(
       {{0, 0, -1}, {0, 1, -1}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 1}, {1, 1, 1}},
       {{0, 2, 3, 1}, {2, 4, 5, 3}, {4, 6, 7, 5}});
-  const CutResult above = cut_by_plane(step, {0, 0, 0}, {0, 0, 1}, {.keep = CutKeep::above});
-  const CutResult below = cut_by_plane(step, {0, 0, 0}, {0, 0, 1}, {.keep = CutKeep::below});
+  const CutResult above = cut_by_plane(step, {{0, 0, 0}, {0, 0, 1}}, {.keep = CutKeep::above});
+  const CutResult below = cut_by_plane(step, {{0, 0, 0}, {0, 0, 1}}, {.keep = CutKeep::below});
   EXPECT_EQ(above.mesh.face_count(), 1);
   EXPECT_EQ(below.mesh.face_count(), 2) << "the tread belongs below";
   expect_sound(above, step);
@@ -218,7 +219,7 @@ TEST(Cut, CutsTheSoundFacesOfADefectiveMesh) {
   EXPECT_TRUE(sound.note()->text().starts_with("torus: 7 faces that have no place were left out"))
       << sound.note()->text();
   try {
-    cut_by_plane(sound.mesh(), Vector3d(0, 0, 99), Vector3d(0, 0, 1));
+    cut_by_plane(sound.mesh(), {Vector3d(0, 0, 99), Vector3d(0, 0, 1)});
     FAIL() << "no error";
   } catch (const Error& error) {
     const Error explained = sound.explained(error);
@@ -228,7 +229,7 @@ TEST(Cut, CutsTheSoundFacesOfADefectiveMesh) {
   }
   EXPECT_THROW(sound.require_beyond(std::vector<Index>{0}), Error);
 
-  CutResult result = cut_by_plane(sound.mesh(), Vector3d(0, 0, -0.6 * place.z()), Vector3d(0, 0, 1));
+  CutResult result = cut_by_plane(sound.mesh(), {Vector3d(0, 0, -0.6 * place.z()), Vector3d(0, 0, 1)});
   sound.require_beyond(vertices_at_cut(result));
   sound.put_back(result.vertex, result.mesh);
   const Index now = result.vertex.new_index[highest];
@@ -237,7 +238,7 @@ TEST(Cut, CutsTheSoundFacesOfADefectiveMesh) {
   EXPECT_EQ(result.mesh.positions(now, 2), place.z());
   EXPECT_EQ((result.mesh.positions.array().isNaN()).count(), 1);
 
-  const CutResult through = cut_by_plane(sound.mesh(), Vector3d(0, 0, 0.98 * place.z()), Vector3d(0, 0, 1));
+  const CutResult through = cut_by_plane(sound.mesh(), {Vector3d(0, 0, 0.98 * place.z()), Vector3d(0, 0, 1)});
   EXPECT_THROW(sound.require_beyond(vertices_at_cut(through)), Error);
 
   const SoundMesh clean(result.mesh, Diagnostics(), "clean");

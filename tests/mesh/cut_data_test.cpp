@@ -47,7 +47,7 @@ class RandomPlanes {
       point[k] = low_[k] + (0.3 + 0.4 * uniform()) * (high_[k] - low_[k]);
       normal[k] = 2 * uniform() - 1;
     }
-    return cut_by_plane(mesh, point, normal, options);
+    return cut_by_plane(mesh, {point, normal}, options);
   }
 
  private:

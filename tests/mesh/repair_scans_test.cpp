@@ -21,7 +21,7 @@ TEST(Repair, LeavesTheBuiltInModelsAsTheyAre) {
       SCOPED_TRACE(std::string(sample.name) + " " + std::to_string(resolution));
       const RepairResult result = repair(make_sample(sample.name, resolution));
       for (const RepairChange& change : result.changes)
-        ADD_FAILURE() << change.name << ": " << change.description();
+        ADD_FAILURE() << name_of(change.kind) << ": " << change.description();
     }
   }
 }

@@ -60,7 +60,7 @@ TEST(Repair, LeavesCleanMeshesAsTheyAre) {
     const Mesh mesh = mesh_of(family);
     const RepairResult result = repair(mesh, {.remove_isolated = false});
     for (const RepairChange& change : result.changes)
-      ADD_FAILURE() << change.name << ": " << change.description();
+      ADD_FAILURE() << name_of(change.kind) << ": " << change.description();
     EXPECT_TRUE(same_bits(result.mesh, mesh));
     expect_sound_maps(mesh, result);
   }
@@ -124,8 +124,8 @@ TEST(Repair, KeepsBothSidesOfASeamPerCorner) {
   mesh.attributes = {numbered(Domain::vertex, "uv", 2, 7),
                      {.name = "weight", .components = 1, .values = std::vector<double>(7, 3.0)}};
   const RepairResult result = repair(mesh);
-  ASSERT_TRUE(result.find("welded-vertex"));
-  EXPECT_EQ(result.find("welded-vertex")->indices, (std::vector<Index>{4, 6}));
+  ASSERT_TRUE(result.find(RepairChangeKind::welded_vertex));
+  EXPECT_EQ(result.find(RepairChangeKind::welded_vertex)->indices, (std::vector<Index>{4, 6}));
   EXPECT_EQ(result.vertex.new_index, (std::vector<Index>{0, 1, 2, 3, 1, 4, 2}));
   const Attribute* uv = result.mesh.find_attribute(Domain::corner, "uv");
   ASSERT_TRUE(uv);
@@ -153,7 +153,7 @@ TEST(Repair, TurnsNormalsWithTheirFaces) {
   for (Index f = 0; f < mesh.face_count(); ++f)
     inward.faces.push_back(std::vector<Index>{mesh.faces[f][0], mesh.faces[f][2], mesh.faces[f][1]});
   const RepairResult result = repair(inward);
-  ASSERT_TRUE(result.find("turned-component"));
+  ASSERT_TRUE(result.find(RepairChangeKind::turned_component));
   EXPECT_EQ(result.mesh.faces, mesh.faces);
   for (std::size_t k = 0; k < mesh.attributes[0].values.size(); ++k)
     EXPECT_EQ(result.mesh.attributes[0].values[k], -mesh.attributes[0].values[k]);
@@ -197,7 +197,7 @@ TEST(Repair, ClosesHolesThatAreAskedFor) {
                      numbered(Domain::corner, "uv", 2, 1440)};
   EXPECT_FALSE(repair(tube).changed()) << "the ends of a tube are meant";
   const RepairResult result = repair(tube, {.hole_edges = 30});
-  EXPECT_EQ(result.find("filled-hole")->count, 2);
+  EXPECT_EQ(result.find(RepairChangeKind::filled_hole)->count, 2);
   const TopologySummary topology = summarise_topology(result.mesh);
   EXPECT_TRUE(topology.closed && topology.manifold && topology.oriented);
   EXPECT_EQ(result.mesh.face_count(), tube.face_count() + 2 * 28);
@@ -221,7 +221,7 @@ TEST(Repair, KeepsAVertexWhileOneOfItsFansRemains) {
       {{0, 0, 0}, {-1, 0, 0}, {-1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 2, 0}, {2, 0, 0}, {2, 2, 0}},
       {{0, 1, 2}, {0, 3, 4}, {0, 4, 5}, {3, 6, 4}, {4, 6, 7}, {4, 7, 5}});
   const RepairResult result = repair(mesh, {.debris_rel = 1});
-  ASSERT_TRUE(result.find("removed-debris"));
+  ASSERT_TRUE(result.find(RepairChangeKind::removed_debris));
   EXPECT_EQ(result.mesh.face_count(), 5);
   ASSERT_GE(result.vertex.new_index[0], 0);
   EXPECT_EQ(result.vertex_origin[result.vertex.new_index[0]], 0);
@@ -233,8 +233,8 @@ TEST(Repair, ListsVerticesThatItCannotKeep) {
   Mesh mesh = test::with_isolated(shapes::cube(), 3, 1);
   mesh.positions(9, 1) = NAN;
   const RepairResult result = repair(mesh, {.remove_isolated = false});
-  ASSERT_TRUE(result.find("removed-non-finite-vertex"));
-  EXPECT_EQ(result.find("removed-non-finite-vertex")->indices, std::vector<Index>{9});
+  ASSERT_TRUE(result.find(RepairChangeKind::removed_non_finite_vertex));
+  EXPECT_EQ(result.find(RepairChangeKind::removed_non_finite_vertex)->indices, std::vector<Index>{9});
   EXPECT_EQ(result.vertex.new_index[9], -1);
   EXPECT_EQ(result.mesh.vertex_count(), 10);
 }
@@ -356,8 +356,8 @@ TEST(RepairHoles, ThatTouchInAVertexAreClosedOneByOne) {
       EXPECT_EQ(topology.boundary_loops, 1);
       EXPECT_NEAR(total_area(result.mesh), 1, 1e-9);
       EXPECT_EQ(check_mesh(result.mesh).find(FindingKind::duplicate_vertex), nullptr);
-      ASSERT_NE(result.find("rejoined-vertex"), nullptr);
-      EXPECT_EQ(result.find("rejoined-vertex")->count, static_cast<Index>(holes.size()) - 1);
+      ASSERT_NE(result.find(RepairChangeKind::rejoined_vertex), nullptr);
+      EXPECT_EQ(result.find(RepairChangeKind::rejoined_vertex)->count, static_cast<Index>(holes.size()) - 1);
       EXPECT_FALSE(repair(result.mesh, {.hole_edges = 20, .hole_fill = fill}).changed());
     }
 }

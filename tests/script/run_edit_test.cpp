@@ -429,7 +429,7 @@ TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
     EXPECT_EQ(done.settings.deformer.operators.weights, WeightScheme::cotangent);
     EXPECT_EQ(done.settings.deformer.operators.degenerate, DegenerateTreatment::ft05_noise);
     EXPECT_EQ(done.settings.deformer.operators.density, Density::ft05);
-    EXPECT_EQ(done.solver.backend, "eigen");
+    EXPECT_EQ(done.solver.backend, SolverBackend::eigen);
     EXPECT_FALSE(done.condition_estimate.has_value());
   }
 }

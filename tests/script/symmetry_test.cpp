@@ -35,7 +35,7 @@ struct SymmetricMesh {
 /// Returns one half of a mesh, joined with its mirror image at x = 0.
 SymmetricMesh doubled(const test::TestMesh& whole) {
   const double middle = 0.5 * (whole.positions.col(0).minCoeff() + whole.positions.col(0).maxCoeff());
-  const Mesh half = cut_by_plane(make_mesh(whole.positions, whole.triangles), {middle, 0, 0}, {1, 0, 0},
+  const Mesh half = cut_by_plane(make_mesh(whole.positions, whole.triangles), {{middle, 0, 0}, {1, 0, 0}},
                                  {.keep = CutKeep::above})
                         .mesh;
   const Triangles triangles = triangulate(half).triangles;

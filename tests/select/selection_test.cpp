@@ -70,11 +70,11 @@ TEST_F(OnGrid, BoxSphereAndHalfSpaceIncludeTheirBoundary) {
   EXPECT_EQ(select(Selection::Box{{1, 2, 0}, {3, 2, 0}}), (Indices{15, 16, 17}));
   EXPECT_EQ(select(Selection::Box{{0.1, 0.1, 0}, {0.9, 0.9, 0}}), Indices{});
   EXPECT_EQ(select(Selection::Sphere{{3, 3, 0}, 1}), (Indices{17, 23, 24, 25, 31}));
-  EXPECT_EQ(select(Selection::HalfSpace{{0, 5, 0}, {0, 9, 0}}), where([](int, int y) { return y >= 5; }));
+  EXPECT_EQ(select(Selection::HalfSpace{{{0, 5, 0}, {0, 9, 0}}}), where([](int, int y) { return y >= 5; }));
   expect_error(Selection::Box{{1, 0, 0}, {0, 1, 1}}, "roi.box", "select.box_reversed");
   expect_error(Selection::Box{{NAN, 0, 0}, {0, 1, 1}}, "roi.box.min", "core.not_finite");
   expect_error(Selection::Sphere{{0, 0, 0}, -1}, "roi.sphere.radius", "core.negative_or_not_finite");
-  expect_error(Selection::HalfSpace{{0, 0, 0}, {0, 0, 0}}, "roi.half_space.normal",
+  expect_error(Selection::HalfSpace{{{0, 0, 0}, {0, 0, 0}}}, "roi.half_space.normal",
                "core.normal_without_length");
 }
 
@@ -95,7 +95,7 @@ TEST_F(OnGrid, GrowAndShrink) {
   EXPECT_EQ(select(Selection::Grow{block, std::numeric_limits<int>::min()}), Indices{});
   EXPECT_EQ(select(Selection::Grow{block, std::numeric_limits<int>::max()}).size(), 49);
   // Shrinking does not start from the boundary of the mesh.
-  const auto upper = share(Selection::HalfSpace{{0, 4, 0}, {0, 1, 0}});
+  const auto upper = share(Selection::HalfSpace{{{0, 4, 0}, {0, 1, 0}}});
   EXPECT_EQ(select(Selection::Grow{upper, -1}), where([](int, int y) { return y >= 5; }));
   EXPECT_EQ(select(Selection::Grow{share(Selection::All{}), -3}).size(), 49);
 }
@@ -114,8 +114,8 @@ TEST_F(OnGrid, GrowByLength) {
 }
 
 TEST_F(OnGrid, Combinations) {
-  const Selection left(Selection::HalfSpace{{3, 0, 0}, {-1, 0, 0}});
-  const Selection low(Selection::HalfSpace{{0, 3, 0}, {0, -1, 0}});
+  const Selection left(Selection::HalfSpace{{{3, 0, 0}, {-1, 0, 0}}});
+  const Selection low(Selection::HalfSpace{{{0, 3, 0}, {0, -1, 0}}});
   EXPECT_EQ(select(Selection::Union{{left, low}}), where([](int x, int y) { return x <= 3 || y <= 3; }));
   EXPECT_EQ(select(Selection::Intersect{{left, low}}), where([](int x, int y) { return x <= 3 && y <= 3; }));
   EXPECT_EQ(select(Selection::Minus{{left, low}}), where([](int x, int y) { return x <= 3 && y > 3; }));
@@ -138,15 +138,15 @@ TEST_F(OnGrid, Rim) {
 TEST_F(OnGrid, MirrorIsSymmetric) {
   const Eigen::Vector3d centre(3, 3, 0), x_axis(-2, 0, 0);
   const auto part = share(Selection::Indices{{0, 8, 37, 24}});
-  const auto image = share(Selection::Mirror{part, centre, x_axis});
+  const auto image = share(Selection::Mirror{part, {centre, x_axis}});
   EXPECT_EQ(select(image->kind), (Indices{6, 12, 24, 39}));
-  EXPECT_EQ(select(Selection::Mirror{image, centre, x_axis}), (Indices{0, 8, 24, 37}));
+  EXPECT_EQ(select(Selection::Mirror{image, {centre, x_axis}}), (Indices{0, 8, 24, 37}));
   // The mirror image of vertex 4 lies 0.1 beyond the edge of the mesh, within the wide tolerance only.
   const auto right = share(Selection::Indices{{4}});
-  EXPECT_EQ(select(Selection::Mirror{right, {5.05, 0, 0}, {1, 0, 0}}), Indices{});
-  EXPECT_EQ(select(Selection::Mirror{right, {5.05, 0, 0}, {1, 0, 0}, 0.1}), Indices{6});
-  expect_error(Selection::Mirror{part, centre, {0, 0, 0}}, "roi.mirror.normal", "core.normal_without_length");
-  expect_error(Selection::Mirror{part, centre, x_axis, -1}, "roi.mirror.tolerance_rel",
+  EXPECT_EQ(select(Selection::Mirror{right, {{5.05, 0, 0}, {1, 0, 0}}}), Indices{});
+  EXPECT_EQ(select(Selection::Mirror{right, {{5.05, 0, 0}, {1, 0, 0}}, 0.1}), Indices{6});
+  expect_error(Selection::Mirror{part, {centre, {0, 0, 0}}}, "roi.mirror.normal", "core.normal_without_length");
+  expect_error(Selection::Mirror{part, {centre, x_axis}, -1}, "roi.mirror.tolerance_rel",
                "core.negative_or_not_finite");
 }
 
@@ -278,10 +278,10 @@ TEST(SelectionMirror, FindsTheOtherSideOfATorus) {
   const Eigen::Vector3d origin(0, 0, 0), normal(1, 0, 0);
   const Indices rest = resolve(*upper, context, "handle");
   ASSERT_GT(rest.size(), 5);
-  const auto image = std::make_shared<const Selection>(Selection::Mirror{upper, origin, normal});
+  const auto image = std::make_shared<const Selection>(Selection::Mirror{upper, {origin, normal}});
   EXPECT_EQ(resolve(*image, context, "handle"),
             resolve(Selection(Selection::Sphere{{-3, 0, 0}, 1.5}), context, "x"));
-  EXPECT_EQ(resolve(Selection(Selection::Mirror{image, origin, normal}), context, "handle"), rest);
+  EXPECT_EQ(resolve(Selection(Selection::Mirror{image, {origin, normal}}), context, "handle"), rest);
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ std::vector<DirtyScan> dirty_scans() {
   const Mesh octopus = model("octopus", 60), dinosaur = model("dinosaur", 60), cactus = model("cactus", 50);
   const Mesh head = model("head", 60), bust = model("bust", 50), knot = model("knot", 50);
   const Mesh torus = model("torus", 40), bracket = model("bracket", 50);
-  const Mesh seamed = plain(cut_by_plane(torus, {0.1, 0, 0}, {1, 0.2, 0.1}).mesh);
-  const Mesh twice_seamed = plain(cut_by_plane(cactus, {0, 0, 1.1}, {0, 0.1, 1}).mesh);
+  const Mesh seamed = plain(cut_by_plane(torus, {{0.1, 0, 0}, {1, 0.2, 0.1}}).mesh);
+  const Mesh twice_seamed = plain(cut_by_plane(cactus, {{0, 0, 1.1}, {0, 0.1, 1}}).mesh);
 
   std::vector<DirtyScan> scans;
   const auto add = [&](const char* name, const char* damage, Mesh mesh) {

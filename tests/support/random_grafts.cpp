@@ -78,7 +78,7 @@ CutResult cut_by_random_plane(const Mesh& mesh, const CutOptions& options, Rando
   const Eigen::Vector3d point = a + random.uniform(0.2, 0.8) * (b - a), normal = random.direction();
   text += fmt::format(", plane {:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f}", point.x(), point.y(), point.z(),
                       normal.x(), normal.y(), normal.z());
-  return cut_by_plane(mesh, point, normal, options);
+  return cut_by_plane(mesh, {point, normal}, options);
 }
 
 /// Cuts along a loop round a random vertex, some rings away from it.

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     const test::Trial given = test::try_deform(scan.mesh), repaired = test::try_deform(result.mesh);
     std::string changes;
     for (const RepairChange& change : result.changes)
-      changes += fmt::format("{}{} {}", changes.empty() ? "" : ", ", change.count, change.name);
+      changes += fmt::format("{}{} {}", changes.empty() ? "" : ", ", change.count, name_of(change.kind));
     fmt::print("| {} | {} | {} | {} | {} |\n", scan.name, scan.damage,
                given.works ? "yes" : "no: " + given.reason, changes,
                repaired.works ? "yes" : "no: " + repaired.reason);

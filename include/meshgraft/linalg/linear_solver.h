@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,18 +26,31 @@ enum class SolverBackend {
   iterative,
 };
 
+/// Returns the name of a backend in edit files and reports: "auto", "multifrontal", "eigen" or "iterative".
+std::string_view name_of(SolverBackend backend);
+
+/// Orderings of the unknowns.
+enum class Ordering {
+  minimum_degree,
+  nested_dissection,  ///< of the matrix's own graph, by METIS
+  mesh_dissection,    ///< nested dissection of an ordering graph
+};
+
+/// Returns the name of an ordering in reports: "amd", "metis" or "dissection".
+std::string_view name_of(Ordering ordering);
+
+/// Figures of a solver. For the backend `iterative`, `ordering`, `factor_nonzeros` and `factor_flops` describe
+/// the coarse matrix.
 struct SolverStatistics {
-  std::string backend;  ///< "multifrontal", "eigen" or "iterative"
-  /// "dissection" (of an ordering graph), "metis" (of the matrix's own graph) or "amd". For "iterative",
-  /// `ordering`, `factor_nonzeros` and `factor_flops` describe the coarse matrix.
-  std::string ordering;
+  SolverBackend backend = SolverBackend::automatic;  ///< never `automatic` after `analyse`
+  Ordering ordering = Ordering::minimum_degree;
   std::int64_t unknowns = 0;
   std::int64_t matrix_nonzeros = 0;  ///< non-zeros of the lower triangle
   std::int64_t factor_nonzeros = 0;
   double factor_flops = 0;
   std::int64_t peak_memory_bytes = 0;  ///< memory of the solver alone
 
-  // Set by "iterative" only.
+  // Set by `iterative` only.
   std::int64_t coarse_unknowns = 0;
   double operator_complexity = 1;  ///< non-zeros of all matrices / those of N
   int iterations = 0;              ///< iterations of the latest solve

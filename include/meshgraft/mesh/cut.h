@@ -48,10 +48,10 @@ std::vector<Index> vertices_at_cut(const CutResult& result);
 CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const CutOptions& options = {},
                       const Context& context = {});
 
-/// Cuts by the plane (x − point)·normal = 0; the normal points above and need not have unit length. Throws
-/// Error(input) with the id mesh.plane_misses_mesh where the mesh lies on one side.
-CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
-                       const CutOptions& options = {}, const Context& context = {});
+/// Cuts by a plane, whose normal points above. Throws Error(input) with the id mesh.plane_misses_mesh where the
+/// mesh lies on one side.
+CutResult cut_by_plane(const Mesh& mesh, const Plane& plane, const CutOptions& options = {},
+                       const Context& context = {});
 
 /// Cuts along the closed curve that joins the listed vertices, in order, by shortest paths on the surface.
 /// "Above" is on the left, seen from outside. Throws Error(input) for fewer than three vertices, repeated or

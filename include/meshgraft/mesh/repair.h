@@ -51,9 +51,33 @@ struct RepairOptions {
   bool remove_isolated = true;
 };
 
-/// One kind of change, and the elements that it concerns.
+/// The kinds of changes that a repair makes.
+enum class RepairChangeKind {
+  removed_out_of_range_face,  ///< faces with the index of a vertex that does not exist were removed
+  removed_non_finite_face,    ///< faces of a vertex with a non-finite coordinate were removed
+  removed_non_finite_vertex,  ///< vertices with a non-finite coordinate were removed
+  mended_degenerate_face,     ///< repeated corners were removed, or the face with them
+  removed_duplicate_face,     ///< faces with the corners of another were removed
+  removed_zero_area_face,     ///< faces without area were removed
+  removed_duplicate_shell,    ///< connected components that lie on another were removed
+  welded_vertex,              ///< boundary vertices were welded to others at their place
+  split_t_junction,           ///< boundary edges were split at boundary vertices that lie on them
+  split_non_manifold_vertex,  ///< vertices with several fans were split
+  removed_non_manifold_face,  ///< faces that left no manifold edge were removed
+  removed_debris,             ///< small connected components were removed
+  turned_face,                ///< faces were turned to agree with their neighbours
+  turned_component,           ///< closed components were turned outward
+  rejoined_vertex,            ///< vertices that had been split were joined again
+  filled_hole,                ///< holes were filled
+  removed_isolated_vertex,    ///< vertices of no face were removed
+};
+
+/// Returns the name of a kind in reports, e.g. "welded-vertex".
+std::string_view name_of(RepairChangeKind kind);
+
+/// The changes of one kind, and the elements that they concern.
 struct RepairChange {
-  std::string name;  ///< stable identifier, e.g. "welded-vertex"
+  RepairChangeKind kind = RepairChangeKind::welded_vertex;
   Index count = 0;
   Domain domain = Domain::vertex;  ///< elements that `indices` refer to
   /// Elements of the given mesh, ascending; empty where none of its own are meant.
@@ -75,8 +99,8 @@ struct RepairResult {
   std::vector<Note> notes;                        ///< about defects that remain and data that were lost
 
   bool changed() const { return !changes.empty(); }
-  /// Returns the change of that name, or null.
-  const RepairChange* find(std::string_view name) const;
+  /// Returns the changes of that kind, or null.
+  const RepairChange* find(RepairChangeKind kind) const;
 };
 
 /// Repairs a mesh with any defects so that every command accepts it (docs/repair.md). The result is cleaned

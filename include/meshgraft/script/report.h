@@ -83,9 +83,7 @@ struct MergeOutcome {
   IndexMap target_map, source_map;  ///< vertices, old → new, or -1 where one was removed
   std::vector<Index> new_faces;
   Points grafted;  ///< the source's positions after the solve, before the seam (n×3)
-  /// Pairs of faces of the result that intersect and have a vertex of the source or of the seam.
-  std::int64_t self_intersections = 0;
-  std::int64_t source_self_intersections = 0;  ///< such pairs of the given source; 0 if the result has none
+  MergeIntersections intersections;
 };
 
 /// Results of a cut step other than the mesh.

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -50,11 +50,11 @@ struct SelectionOperations {
   struct Intersect {
     std::vector<S> of;
   };
-  /// The vertices nearest to the mirror images of `of`. An image is dropped if its nearest vertex is farther
-  /// than `tolerance_rel` × the diagonal of the mesh's bounding box.
+  /// The vertices nearest to the mirror images of `of` in a plane. An image is dropped if its nearest vertex is
+  /// farther than `tolerance_rel` × the diagonal of the mesh's bounding box.
   struct Mirror {
     std::shared_ptr<const S> of;
-    Eigen::Vector3d point, normal;
+    Plane plane;
     double tolerance_rel = 1e-3;
   };
   /// The vertices of `of` within `rings` edges of a vertex outside it.
@@ -84,9 +84,9 @@ class Selection {
     Eigen::Vector3d centre;
     double radius = 0;
   };
-  /// (x − point)·normal ≥ 0; the normal need not have unit length.
+  /// (x − point)·normal ≥ 0: the side of the plane that its normal points to, and the plane itself.
   struct HalfSpace {
-    Eigen::Vector3d point, normal;
+    Plane plane;
   };
   /// A connected component, by its number from `connected_components`.
   struct Component {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/mesh/mesh.h>
 

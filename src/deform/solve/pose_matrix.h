@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include <meshgraft/core/location.h>
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/deform_problem.h>
 
 #include "constrained_system.h"

@@ -17,8 +17,8 @@ class EigenSolver final : public LinearSolver {
   void analyse(const NormalMatrix& lower, const OrderingGraph&, const Context& context) override {
     context.step("analyse");
     cholesky_.analyzePattern(lower);
-    statistics_.backend = "eigen";
-    statistics_.ordering = "amd";
+    statistics_.backend = SolverBackend::eigen;
+    statistics_.ordering = Ordering::minimum_degree;
     statistics_.unknowns = lower.rows();
     statistics_.matrix_nonzeros = lower.nonZeros();
   }

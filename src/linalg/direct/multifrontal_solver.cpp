@@ -16,7 +16,7 @@ class MultifrontalSolver final : public LinearSolver {
     context.step("analyse");
     factor_.emplace(find_pattern(lower, graph, context));
     context.throw_if_stopped();
-    statistics_.backend = "multifrontal";
+    statistics_.backend = SolverBackend::multifrontal;
     statistics_.unknowns = lower.rows();
     statistics_.matrix_nonzeros = lower.nonZeros();
     statistics_.factor_nonzeros = static_cast<std::int64_t>(factor_->pattern().factor_nonzeros());
@@ -42,14 +42,14 @@ class MultifrontalSolver final : public LinearSolver {
                                  const Context& context) {
     constexpr Eigen::Index fewest_to_dissect = 8'000, fewest_for_metis = 50'000;
     if (graph.neighbours != nullptr && lower.rows() >= fewest_to_dissect) {
-      statistics_.ordering = "dissection";
+      statistics_.ordering = Ordering::mesh_dissection;
       return symbolic_factorisation(lower, dissect(lower, graph, context), context);
     }
     if (lower.rows() >= fewest_for_metis) {
-      statistics_.ordering = "metis";
+      statistics_.ordering = Ordering::nested_dissection;
       return symbolic_factorisation(lower, nested_dissection_order(lower, context), context);
     }
-    statistics_.ordering = "amd";
+    statistics_.ordering = Ordering::minimum_degree;
     return symbolic_factorisation(lower, one_leaf(lower.rows()), context);
   }
 

@@ -71,7 +71,7 @@ class IterativeSolver final : public LinearSolver {
     coarse_space_.emplace(order_, context);
     coarse_neighbours_ = coarse_space_->coarse_neighbours();
     statistics_ = {};
-    statistics_.backend = "iterative";
+    statistics_.backend = SolverBackend::iterative;
     statistics_.unknowns = lower.rows();
     statistics_.matrix_nonzeros = lower.nonZeros();
     statistics_.coarse_unknowns = coarse_space_->unknowns();

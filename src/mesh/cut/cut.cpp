@@ -259,9 +259,10 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
   return result;
 }
 
-CutResult cut_by_plane(const Mesh& mesh, const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
-                       const CutOptions& options, const Context& context) {
+CutResult cut_by_plane(const Mesh& mesh, const Plane& plane, const CutOptions& options,
+                       const Context& context) {
   check(mesh, options);
+  const auto& [point, normal] = plane;
   const double length = normal.stableNorm();
   if (!point.allFinite()) throw Error(facts::core::NotFinite{.what = facts::core::Quantity::plane_point});
   if (!(length > 0) || !std::isfinite(length)) throw Error(facts::mesh::PlaneNormalUnusable{});

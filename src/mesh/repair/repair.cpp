@@ -50,9 +50,9 @@ bool mend(RepairSurface& surface, const RepairOptions& options) {
 
 }  // namespace
 
-const RepairChange* RepairResult::find(std::string_view name) const {
+const RepairChange* RepairResult::find(RepairChangeKind kind) const {
   const auto found = std::find_if(changes.begin(), changes.end(),
-                                  [&](const RepairChange& change) { return change.name == name; });
+                                  [&](const RepairChange& change) { return change.kind == kind; });
   return found == changes.end() ? nullptr : &*found;
 }
 

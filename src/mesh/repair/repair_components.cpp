@@ -35,7 +35,7 @@ ConnectedComponents components_of(const RepairSurface& surface) {
 namespace {
 
 bool remove_components(RepairSurface& surface, const ConnectedComponents& components, const Flags& doomed,
-                       const std::string& name, CountedNote note) {
+                       RepairChangeKind kind) {
   const auto count = static_cast<Index>(std::count(doomed.begin(), doomed.end(), 1));
   if (count == 0) return false;
   Flags faces(components.of_face.size());
@@ -44,7 +44,7 @@ bool remove_components(RepairSurface& surface, const ConnectedComponents& compon
     faces[f] = doomed[components.of_face[f]];
     if (faces[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
-  surface.report(name, Domain::face, std::move(given), count, note);
+  surface.report(kind, Domain::face, std::move(given), count);
   surface.remove_faces(faces);
   return true;
 }
@@ -78,8 +78,7 @@ bool remove_duplicate_shells(RepairSurface& surface) {
     else
       for (const Index g : own) covered[g] = 1;
   }
-  return remove_components(surface, components, doomed, "removed-duplicate-shell",
-                           counted<facts::mesh::RemovedDuplicateShell>);
+  return remove_components(surface, components, doomed, RepairChangeKind::removed_duplicate_shell);
 }
 
 bool remove_debris(RepairSurface& surface, double debris_rel) {
@@ -91,7 +90,7 @@ bool remove_debris(RepairSurface& surface, double debris_rel) {
   for (std::size_t component = 0; component < doomed.size(); ++component)
     doomed[component] = components.faces[component] < debris_rel * most_faces &&
                         components.area[component] < debris_rel * largest_area;
-  return remove_components(surface, components, doomed, "removed-debris", counted<facts::mesh::RemovedDebris>);
+  return remove_components(surface, components, doomed, RepairChangeKind::removed_debris);
 }
 
 }  // namespace meshgraft

@@ -28,11 +28,8 @@ bool remove_invalid(RepairSurface& surface) {
       if (std::binary_search(bad_vertices.begin(), bad_vertices.end(), v)) non_finite[f] = 1;
     any_non_finite = any_non_finite || non_finite[f];
   }
-  if (any_out)
-    surface.report_faces("removed-out-of-range-face", out_of_range,
-                         counted<facts::mesh::RemovedOutOfRangeFace>);
-  if (any_non_finite)
-    surface.report_faces("removed-non-finite-face", non_finite, counted<facts::mesh::RemovedNonFiniteFace>);
+  if (any_out) surface.report_faces(RepairChangeKind::removed_out_of_range_face, out_of_range);
+  if (any_non_finite) surface.report_faces(RepairChangeKind::removed_non_finite_face, non_finite);
   if (!any_out && !any_non_finite) return false;
   for (Index f = 0; f < mesh.face_count(); ++f) out_of_range[f] |= non_finite[f];
   surface.remove_faces(out_of_range);
@@ -75,7 +72,7 @@ bool clean_corners(RepairSurface& surface) {
   bool any = false;
   for (Index f = 0; f < faces.size(); ++f) any |= (degenerate[f] = is_degenerate(faces[f])) != 0;
   if (!any) return false;
-  surface.report_faces("mended-degenerate-face", degenerate, counted<facts::mesh::MendedDegenerateFace>);
+  surface.report_faces(RepairChangeKind::mended_degenerate_face, degenerate);
   const RepairFaces& traced = surface.traced();
   RepairFaces mended;
   for (Index f = 0; f < faces.size(); ++f) {
@@ -97,7 +94,7 @@ bool remove_duplicate_faces(RepairSurface& surface) {
   for (const auto& group : groups)
     for (std::size_t k = 1; k < group.size(); ++k) repeated[group[k]] = 1;
   if (groups.empty()) return false;
-  surface.report_faces("removed-duplicate-face", repeated, counted<facts::mesh::RemovedDuplicateFace>);
+  surface.report_faces(RepairChangeKind::removed_duplicate_face, repeated);
   surface.remove_faces(repeated);
   return true;
 }
@@ -135,7 +132,7 @@ bool remove_zero_area(RepairSurface& surface, bool may_split_edges) {
   if (!any_needle && !any_cap) return false;
   Flags both(needles.size());
   for (std::size_t f = 0; f < both.size(); ++f) both[f] = needles[f] || caps[f];
-  surface.report_faces("removed-zero-area-face", both, counted<facts::mesh::RemovedZeroAreaFace>);
+  surface.report_faces(RepairChangeKind::removed_zero_area_face, both);
   if (any_needle) surface.unite_vertices(sets);
   if (any_cap) surface.remove_faces(caps);
   return true;

@@ -301,8 +301,7 @@ void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& 
     given.push_back(surface.vertex_origin(copy));
   }
   const auto count = static_cast<Index>(given.size());
-  surface.report("rejoined-vertex", Domain::vertex, std::move(given), count,
-                 counted<facts::mesh::RejoinedVertex>);
+  surface.report(RepairChangeKind::rejoined_vertex, Domain::vertex, std::move(given), count);
   surface.unite_vertices(sets);
 }
 
@@ -338,7 +337,7 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
   }
   if (left > 0) surface.note(facts::mesh::HoleWithoutFill{.count = left});
   if (count == 0) return false;
-  surface.report("filled-hole", Domain::vertex, std::move(given), count, counted<facts::mesh::FilledHole>);
+  surface.report(RepairChangeKind::filled_hole, Domain::vertex, std::move(given), count);
   surface.add_vertices(added);
   surface.replace_faces(std::move(filled));
   if (!rejoined.empty()) rejoin(surface, rejoined);

@@ -50,8 +50,8 @@ bool part_fans(RepairSurface& surface) {
     copy[c] = copy[fan];
   }
   if (added.empty()) return false;
-  surface.report("split-non-manifold-vertex", Domain::vertex, std::move(given),
-                 static_cast<Index>(added.size()), counted<facts::mesh::SplitNonManifoldVertex>);
+  surface.report(RepairChangeKind::split_non_manifold_vertex, Domain::vertex, std::move(given),
+                 static_cast<Index>(added.size()));
   RepairFaces parted = surface.traced();
   parted.faces = {};
   std::vector<Index> face;
@@ -80,7 +80,7 @@ bool thin_crowded_edges(RepairSurface& surface) {
       if (c != a && c != b) doomed[surface.face_of(c)] = any = true;
   }
   if (!any) return false;
-  surface.report_faces("removed-non-manifold-face", doomed, counted<facts::mesh::RemovedNonManifoldFace>);
+  surface.report_faces(RepairChangeKind::removed_non_manifold_face, doomed);
   surface.remove_faces(doomed);
   return true;
 }
@@ -174,7 +174,7 @@ bool unify_winding(RepairSurface& surface) {
   const Flags against = faces_against_the_rest(surface, contradictions);
   if (contradictions > 0) surface.note(facts::mesh::OneSidedSurface{.count = contradictions});
   if (std::find(against.begin(), against.end(), 1) != against.end()) {
-    surface.report_faces("turned-face", against, counted<facts::mesh::TurnedFace>);
+    surface.report_faces(RepairChangeKind::turned_face, against);
     turn_faces(surface, against);
     changed = true;
   }
@@ -188,8 +188,8 @@ bool unify_winding(RepairSurface& surface) {
     turn[f] = std::binary_search(inward.components.begin(), inward.components.end(), inward.component[face[0]]);
     if (turn[f] && !surface.traced().is_new[f]) given.push_back(surface.traced().origin[f]);
   }
-  surface.report("turned-component", Domain::face, std::move(given),
-                 static_cast<Index>(inward.components.size()), counted<facts::mesh::TurnedComponent>);
+  surface.report(RepairChangeKind::turned_component, Domain::face, std::move(given),
+                 static_cast<Index>(inward.components.size()));
   turn_faces(surface, turn);
   return true;
 }

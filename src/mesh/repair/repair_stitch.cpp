@@ -168,7 +168,7 @@ bool stitch(RepairSurface& surface, std::optional<double> distance) {
     if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
   }
   if (count == 0) return false;
-  surface.report("welded-vertex", Domain::vertex, std::move(given), count, counted<facts::mesh::WeldedVertex>);
+  surface.report(RepairChangeKind::welded_vertex, Domain::vertex, std::move(given), count);
   surface.unite_vertices(sets);
   return true;
 }
@@ -354,8 +354,8 @@ bool split_t_junctions(RepairSurface& surface, std::optional<double> distance) {
   std::vector<Index> given;
   for (const Index v : torn.vertices)
     if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
-  surface.report("split-t-junction", Domain::vertex, std::move(given), static_cast<Index>(torn.vertices.size()),
-                 counted<facts::mesh::SplitTJunction>);
+  surface.report(RepairChangeKind::split_t_junction, Domain::vertex, std::move(given),
+                 static_cast<Index>(torn.vertices.size()));
   surface.replace_faces(std::move(split));
   return true;
 }

@@ -123,19 +123,19 @@ Index RepairSurface::add_vertices(std::span<const NewVertex> vertices) {
   return first;
 }
 
-void RepairSurface::report(const std::string& name, Domain domain, std::vector<Index> given_indices,
-                           Index count, CountedNote note_of) {
-  auto change = std::ranges::find(changes_, name, &RepairChange::name);
-  if (change == changes_.end()) change = changes_.insert(change, {name, 0, domain, {}, note_of(0)});
+void RepairSurface::report(RepairChangeKind kind, Domain domain, std::vector<Index> given_indices,
+                           Index count) {
+  auto change = std::ranges::find(changes_, kind, &RepairChange::kind);
+  if (change == changes_.end()) change = changes_.insert(change, {kind, 0, domain, {}, note_of(kind, 0)});
   change->count += count;
-  change->note = note_of(change->count);
+  change->note = note_of(kind, change->count);
   auto& indices = change->indices;
   indices.insert(indices.end(), given_indices.begin(), given_indices.end());
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
 }
 
-void RepairSurface::report_faces(const std::string& name, const Flags& chosen, CountedNote note_of) {
+void RepairSurface::report_faces(RepairChangeKind kind, const Flags& chosen) {
   std::vector<Index> given;
   Index count = 0;
   for (Index f = 0; f < mesh_.face_count(); ++f) {
@@ -143,7 +143,7 @@ void RepairSurface::report_faces(const std::string& name, const Flags& chosen, C
     ++count;
     if (!traced_.is_new[f]) given.push_back(traced_.origin[f]);
   }
-  report(name, Domain::face, std::move(given), count, note_of);
+  report(kind, Domain::face, std::move(given), count);
 }
 
 void RepairSurface::note(const Note& note) {
@@ -167,11 +167,9 @@ std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairRes
       used[v] = 1;
   }
   if (const auto count = static_cast<Index>(non_finite.size()); count > 0)
-    report("removed-non-finite-vertex", Domain::vertex, std::move(non_finite), count,
-           counted<facts::mesh::RemovedNonFiniteVertex>);
+    report(RepairChangeKind::removed_non_finite_vertex, Domain::vertex, std::move(non_finite), count);
   if (const auto count = static_cast<Index>(isolated.size()); count > 0)
-    report("removed-isolated-vertex", Domain::vertex, std::move(isolated), count,
-           counted<facts::mesh::RemovedIsolatedVertex>);
+    report(RepairChangeKind::removed_isolated_vertex, Domain::vertex, std::move(isolated), count);
 
   std::vector<Index> new_index(mesh_.vertex_count(), -1);
   Index count = 0;

@@ -10,7 +10,6 @@
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/repair.h>
 
-#include "mesh/counted_note.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/edge_table.h"
 #include "mesh/interpolate_attribute.h"
@@ -67,9 +66,8 @@ class RepairSurface {
   Index vertex_origin(Index vertex) const { return vertex_origin_[vertex]; }
 
   // Reports of changes. Indices refer to the surface before the change.
-  void report(const std::string& name, Domain domain, std::vector<Index> given_indices, Index count,
-              CountedNote note_of);
-  void report_faces(const std::string& name, const Flags& chosen, CountedNote note_of);
+  void report(RepairChangeKind kind, Domain domain, std::vector<Index> given_indices, Index count);
+  void report_faces(RepairChangeKind kind, const Flags& chosen);
   /// Adds a note that is not there already.
   void note(const Note& note);
 
@@ -94,6 +92,9 @@ class RepairSurface {
   mutable std::optional<EdgeTable> edges_;
   mutable std::vector<Index> face_of_;
 };
+
+/// Returns the note about that number of changes of one kind.
+Note note_of(RepairChangeKind kind, Index count);
 
 /// Connected components of faces, in the order of their first faces.
 struct ConnectedComponents {

@@ -41,7 +41,7 @@ int main() {
   const double middle = edited(columns / 2, 2) - rest(columns / 2, 2);
   const double right = edited(columns - 1, 2) - rest(columns - 1, 2);
   std::printf("meshgraft %s, %s: left %g, middle %g, right %g\n", MESHGRAFT_VERSION,
-              deformer.summary().solver.backend.c_str(), left, middle, right);
+              std::string(name_of(deformer.summary().solver.backend)).c_str(), left, middle, right);
   const bool bent = left == 0 && middle > 0.5 && middle < 2.5 && std::abs(right - 3) < 1e-12;
   const bool whole = quality.flipped_faces == 0 && quality.new_self_intersections.value_or(0) == 0;
   return bent && whole && std::strcmp(MESHGRAFT_VERSION, PACKAGE_VERSION) == 0 ? 0 : 1;
