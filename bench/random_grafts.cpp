@@ -56,11 +56,11 @@ struct Outcome {
 // Returns the reason by which refusals are counted.
 std::string reason_of(const Error& error) { return fmt::format("{}: {}", to_string(error.code()), error.id()); }
 
-// Judges a refusal: that of an open start is right only if the best start is hardly better than another.
+// Judges a refusal: that of an ambiguous start is right only if the best start is hardly better than another.
 Refusal judged(const Error& error, const test::RandomGraft& graft) {
   Refusal refusal{reason_of(error), fmt::format("{} ({})", error.problem(), error.remedy()), true};
-  if (error.id() != "merge.open_start") return refusal;
-  const test::LoopFit fit = test::fit_of_loops(graft, open_starts(error.fact()).front().pair);
+  if (error.id() != "merge.ambiguous_start") return refusal;
+  const test::LoopFit fit = test::fit_of_loops(graft, ambiguous_starts(error.fact()).front().pair);
   refusal.is_right = fit.is_ambiguous();
   refusal.text +=
       fmt::format("; the best start leaves {:.3f}, another one {:.3f}, the worst {:.3f} of the radius",

@@ -15,7 +15,9 @@
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/repair.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>
+#include <meshgraft/script/run_edit.h>
 
 #include "choices.h"
 #include "commands.h"
@@ -32,7 +34,7 @@ using Json = nlohmann::ordered_json;
 
 struct CheckArguments {
   std::uint64_t memory = 0;
-  std::filesystem::path mesh;
+  std::filesystem::path file;
   bool json = false;
   bool intersections = false;
 };
@@ -99,9 +101,10 @@ std::string uses_text(const Uses& uses) {
   return deform + "; " + merge;
 }
 
-// Returns a suggested file name for the repaired mesh.
-std::string repaired_name(const std::filesystem::path& mesh) {
-  return mesh.stem().string() + "_repaired" + mesh.extension().string();
+// Returns the command that mends a mesh file.
+std::string repair_command(const std::filesystem::path& mesh) {
+  return fmt::format("meshgraft repair {} -o {}_repaired{}", mesh.string(), mesh.stem().string(),
+                     mesh.extension().string());
 }
 
 // Openings may be meant. Closing them is a choice and mends nothing.
@@ -125,87 +128,165 @@ std::optional<std::int64_t> self_intersections_of(const Mesh& mesh, bool whateve
 Json changes_json(const std::vector<RepairChange>& changes) {
   Json list = Json::array();
   constexpr std::size_t most = 10;
-  for (const RepairChange& change : changes)
-    list.push_back({{"name", name_of(change.kind)},
-                    {"count", change.count},
-                    {"domain", domain_name(change.domain)},
-                    {"first", std::vector<Index>(change.indices.begin(),
-                                                 change.indices.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                                              most, change.indices.size())))},
-                    {"description", text_of(change.note).statement},
-                    {"choice", is_choice(change)}});
+  for (const RepairChange& change : changes) {
+    const auto end =
+        change.indices.begin() + static_cast<std::ptrdiff_t>(std::min(most, change.indices.size()));
+    list.push_back(change_json(change));
+    list.back()["first"] = std::vector<Index>(change.indices.begin(), end);
+    list.back()["choice"] = is_choice(change);
+  }
   return list;
 }
 
+// All that a check finds out about one mesh.
+struct CheckedMesh {
+  Mesh mesh;
+  Diagnostics diagnostics;
+  std::vector<RepairChange> changes;  // what a repair would change
+  std::optional<std::int64_t> intersections;
+  Uses uses;
+
+  // Whether a repair would mend something.
+  bool repairable() const {
+    return mesh.face_count() > 0 && (diagnostics.has_defects() || !std::ranges::all_of(changes, is_choice));
+  }
+  bool clean() const { return mesh.face_count() > 0 && !repairable(); }
+};
+
+CheckedMesh check(Mesh mesh, bool intersections, const Context& context) {
+  CheckedMesh checked{.mesh = std::move(mesh)};
+  checked.diagnostics = check_mesh(checked.mesh, context);
+  checked.changes = repairs_of(checked.mesh, context);
+  checked.intersections = self_intersections_of(checked.mesh, intersections, context);
+  checked.uses = uses_of(checked.mesh, checked.diagnostics);
+  return checked;
+}
+
+// Adds what was found out about a mesh to `json`.
+void add_to(Json& json, const CheckedMesh& checked) {
+  const auto& [mesh, diagnostics, changes, intersections, uses] = checked;
+  json["clean"] = checked.clean();
+  json["counts"] = {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}};
+  json["findings"] = Json::parse(write_diagnostics(diagnostics, text_of));
+  json["repair"] = changes_json(changes);
+  json["self_intersections"] = intersections ? Json(*intersections) : Json(nullptr);
+  json["components"] = uses.components;
+  json["deform"] = uses.deform ? "everywhere" : uses.deform_beyond ? "partly" : "no";
+  json["notes"] = to_json(notes_on_files(mesh), text_of);
+  json["loops"] = uses.all_loops;
+  json["mergeable_loops"] = uses.loops;
+}
+
+void print_line(std::string_view label, const std::string& text) { fmt::print("  {:<12}{}\n", label, text); }
+
 // Prints what a repair would change, besides what the findings say.
 void print_changes(const std::vector<RepairChange>& changes) {
-  std::string label = "a repair";
+  std::string_view label = "a repair";
   for (const RepairChange& change : changes) {
-    fmt::print("  {:<12}{}: {}{}\n", label, name_of(change.kind), text_of(change.note).statement,
-               is_choice(change) ? " (a choice: openings may be meant)" : "");
+    print_line(label, fmt::format("{}: {}{}", name_of(change.kind), text_of(change.note).statement,
+                                  is_choice(change) ? " (a choice: openings may be meant)" : ""));
     label = "";
   }
+}
+
+// Prints what was found out about the mesh `name`. `file` is where it was read; empty for a sample.
+void print(const std::string& name, const std::filesystem::path& file, const CheckedMesh& checked) {
+  const auto& [mesh, diagnostics, changes, intersections, uses] = checked;
+  fmt::print("{}: {} vertices, {} faces\n", name, mesh.vertex_count(), mesh.face_count());
+  if (mesh.face_count() == 0)
+    print_line("findings", "no faces: there is no surface to edit");
+  else
+    print_findings(diagnostics, "findings");
+  print_changes(changes);
+  if (!intersections)
+    print_line("intersects", "not searched among so many triangles: --intersections does it");
+  else if (*intersections > 0)
+    print_line("intersects", fmt::format("{} pairs of triangles of the surface intersect", *intersections));
+  if (checked.repairable() && !file.empty()) print_line("to mend", repair_command(file));
+  print_line("as it is", uses_text(uses));
+  for (const Note& note : notes_on_files(mesh)) print_line("note", sentence(note));
+}
+
+void check_mesh_file(const CheckArguments& arguments, const Context& context) {
+  const CheckedMesh checked = check(read_mesh(arguments.file, context), arguments.intersections, context);
+  if (arguments.json) {
+    Json json = {{"format", "meshgraft-check"}, {"version", 1}, {"mesh", arguments.file.string()}};
+    add_to(json, checked);
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    print(arguments.file.string(), arguments.file, checked);
+  }
+  if (!checked.clean()) throw Answer{exit_status(ErrorCode::input)};
+}
+
+// Runs the steps of an edit and returns the error that ends them, if there is one.
+std::optional<Error> failure_of(const EditFile& edit, const Context& context) {
+  try {
+    run_edit(edit, {.estimate_condition = false}, context);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    return error;
+  }
+  return std::nullopt;
+}
+
+// Checks the inputs of an edit, and then runs its steps. Some defects keep a mesh from one edit and not from
+// another, e.g. a component that no handle of the edit holds.
+void check_edit_file(const CheckArguments& arguments, const Context& context) {
+  const EditFile edit = read_edit_file(arguments.file);
+  Json inputs = Json::array();
+  bool clean = true;
+  for (const EditInput& input : edit.inputs) {
+    const CheckedMesh checked = check(load_input(input, edit, context), arguments.intersections, context);
+    clean = clean && checked.clean();
+    if (arguments.json) {
+      inputs.push_back({{"name", input.name}, {"mesh", input.file.empty() ? input.sample : input.file}});
+      add_to(inputs.back(), checked);
+    } else {
+      const std::string from = input.file.empty() ? "sample " + input.sample : input.file;
+      print(fmt::format("{} ({})", input.name, from),
+            input.file.empty() ? std::filesystem::path() : edit.base_folder / input.file, checked);
+    }
+  }
+  const std::optional<Error> failure = failure_of(edit, context);
+  if (arguments.json) {
+    Json json = {{"format", "meshgraft-check"}, {"version", 1}, {"edit", arguments.file.string()}};
+    json["clean"] = clean;
+    json["inputs"] = inputs;
+    json["runs"] = !failure;
+    json["error"] = failure ? Json{{"id", failure->id()}, {"text", sentence(*failure)}} : Json(nullptr);
+    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  } else {
+    fmt::print("{}: {} {}\n", arguments.file.string(), edit.steps.size(),
+               edit.steps.size() == 1 ? "step" : "steps");
+    print_line("as it is", failure ? "fails: " + sentence(*failure) : "runs");
+  }
+  if (failure) throw Answer{exit_status(failure->code())};
+  if (!clean) throw Answer{exit_status(ErrorCode::input)};
 }
 
 void run_check(const CheckArguments& arguments, Context context) {
   context.memory = arguments.memory;
   context.step("read");
-  const Mesh mesh = read_mesh(arguments.mesh, context);
-  const Diagnostics report = check_mesh(mesh, context);
-  const Uses uses = uses_of(mesh, report);
-  const std::vector<RepairChange> changes = repairs_of(mesh, context);
-  const bool repairable = !std::ranges::all_of(changes, is_choice);
-  const std::optional<std::int64_t> intersections =
-      self_intersections_of(mesh, arguments.intersections, context);
-  const bool clean = !report.has_defects() && !repairable && mesh.face_count() > 0;
-  if (arguments.json) {
-    const Json json = {{"format", "meshgraft-check"},
-                       {"version", 1},
-                       {"mesh", arguments.mesh.string()},
-                       {"clean", clean},
-                       {"counts", {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}}},
-                       {"findings", Json::parse(write_diagnostics(report, text_of))},
-                       {"repair", changes_json(changes)},
-                       {"self_intersections", intersections ? Json(*intersections) : Json(nullptr)},
-                       {"components", uses.components},
-                       {"deform", uses.deform          ? "everywhere"
-                                  : uses.deform_beyond ? "partly"
-                                                       : "no"},
-                       {"notes", to_json(notes_on_files(mesh), text_of)},
-                       {"loops", uses.all_loops},
-                       {"mergeable_loops", uses.loops}};
-    fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
-  } else {
-    fmt::print("{}: {} vertices, {} faces\n", arguments.mesh.string(), mesh.vertex_count(), mesh.face_count());
-    if (mesh.face_count() == 0)
-      fmt::print("  {:<12}no faces: there is no surface to edit\n", "findings");
-    else
-      print_findings(report, "findings");
-    print_changes(changes);
-    if (intersections && *intersections > 0)
-      fmt::print("  {:<12}{} pairs of triangles of the surface intersect\n", "intersects", *intersections);
-    if (!intersections)
-      fmt::print("  {:<12}not searched among so many triangles: --intersections does it\n", "intersects");
-    if ((report.has_defects() || repairable) && mesh.face_count() > 0)
-      fmt::print("  {:<12}meshgraft repair {} -o {}\n", "to mend", arguments.mesh.string(),
-                 repaired_name(arguments.mesh));
-    fmt::print("  {:<12}{}\n", "as it is", uses_text(uses));
-    for (const Note& note : notes_on_files(mesh)) fmt::print("  {:<12}{}\n", "note", sentence(note));
-  }
-  if (!clean) throw Answer{exit_status(ErrorCode::input)};
+  if (arguments.file.extension() == ".json")
+    check_edit_file(arguments, context);
+  else
+    check_mesh_file(arguments, context);
 }
 
 }  // namespace
 
 void add_check(CLI::App& program, Action& action) {
   const auto arguments = std::make_shared<CheckArguments>();
-  CLI::App* command = program.add_subcommand(
-      "check", "Name what is wrong with a mesh and what to do about it; exit status 0 if nothing is, else 3");
-  command->add_option("mesh", arguments->mesh, "The mesh file")->required()->type_name("MESH");
+  CLI::App* command = program.add_subcommand("check",
+                                             "Name what is wrong with a mesh, or with an edit and its meshes, "
+                                             "and what to do about it; exit status 0 if "
+                                             "nothing is");
+  command->add_option("file", arguments->file, "The mesh file, or an edit file")->required()->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print JSON");
   command->add_flag("--intersections", arguments->intersections,
                     "Look for self-intersections also among more than a million triangles");
-  command->footer("Example:\n  meshgraft check scan.ply && meshgraft deform edit.json -o out.ply");
+  command->footer("Example:\n  meshgraft check scan.ply && meshgraft check edit.json");
   add_memory(*command, arguments->memory);
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_check(*arguments, context); };

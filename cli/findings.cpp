@@ -21,15 +21,6 @@ std::string_view severity_name(Severity severity) {
   return "";
 }
 
-std::string first_of(const std::vector<Index>& indices) {
-  constexpr std::size_t limit = 8;
-  const auto shown = static_cast<std::ptrdiff_t>(std::min(limit, indices.size()));
-  return fmt::format("{}{}", fmt::join(indices.begin(), indices.begin() + shown, ", "),
-                     indices.size() > limit ? ", …" : "");
-}
-
-}  // namespace
-
 std::string_view domain_name(Domain domain) {
   switch (domain) {
     case Domain::vertex: return "vertex";
@@ -38,6 +29,15 @@ std::string_view domain_name(Domain domain) {
   }
   return "";
 }
+
+std::string first_of(const std::vector<Index>& indices) {
+  constexpr std::size_t limit = 8;
+  const auto shown = static_cast<std::ptrdiff_t>(std::min(limit, indices.size()));
+  return fmt::format("{}{}", fmt::join(indices.begin(), indices.begin() + shown, ", "),
+                     indices.size() > limit ? ", …" : "");
+}
+
+}  // namespace
 
 void print_findings(const Diagnostics& diagnostics, std::string_view label) {
   const auto line = [](std::string_view before, const std::string& text) {
@@ -52,6 +52,13 @@ void print_findings(const Diagnostics& diagnostics, std::string_view label) {
     if (!text.remedy.empty()) line("", "  " + text.remedy);
     label = "";
   }
+}
+
+nlohmann::ordered_json change_json(const RepairChange& change) {
+  return {{"name", name_of(change.kind)},
+          {"count", change.count},
+          {"domain", domain_name(change.domain)},
+          {"description", text_of(change.note).statement}};
 }
 
 }  // namespace meshgraft::cli

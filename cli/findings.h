@@ -2,7 +2,10 @@
 
 #include <string_view>
 
+#include <nlohmann/json.hpp>
+
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/repair.h>
 
 namespace meshgraft::cli {
 
@@ -10,7 +13,7 @@ namespace meshgraft::cli {
 /// finding follows `label`.
 void print_findings(const Diagnostics& diagnostics, std::string_view label);
 
-/// Returns "vertex", "face" or "corner".
-std::string_view domain_name(Domain domain);
+/// Returns the name, count, domain and description of a repair's change, for reports.
+nlohmann::ordered_json change_json(const RepairChange& change);
 
 }  // namespace meshgraft::cli

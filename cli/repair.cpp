@@ -71,12 +71,10 @@ struct WrittenRepair {
 Json report_json(const RepairArguments& arguments, const Mesh& given, const RepairResult& result,
                  const Diagnostics& left, const WrittenRepair& written, bool with_maps) {
   Json changes = Json::array();
-  for (const RepairChange& change : result.changes)
-    changes.push_back({{"name", name_of(change.kind)},
-                       {"count", change.count},
-                       {"domain", domain_name(change.domain)},
-                       {"indices", change.indices},
-                       {"description", text_of(change.note).statement}});
+  for (const RepairChange& change : result.changes) {
+    changes.push_back(change_json(change));
+    changes.back()["indices"] = change.indices;
+  }
   std::vector<Note> notes = result.notes;
   notes.insert(notes.end(), written.notes.begin(), written.notes.end());
   Json json = {{"format", "meshgraft-repair"},

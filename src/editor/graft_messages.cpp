@@ -92,9 +92,9 @@ Json matrix_json(const Eigen::Affine3d& map) {
   return rows;
 }
 
-Json open_starts_json(const std::vector<OpenStart>& starts) {
+Json ambiguous_starts_json(const std::vector<AmbiguousStart>& starts) {
   Json told = Json::array();
-  for (const OpenStart& open : starts)
+  for (const AmbiguousStart& open : starts)
     told.push_back({{"pair", open.pair},
                     {"start", {open.least_turned.source, open.least_turned.target}},
                     {"confidence", open.confidence}});

@@ -95,8 +95,8 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
   } catch (...) {
     const Error error = current_error();
     told["error"] = error_json(error);
-    if (error.id() == facts::merge::OpenStart::id)
-      told["open_starts"] = open_starts_json(open_starts(error.fact()));
+    if (error.id() == facts::merge::AmbiguousStart::id)
+      told["ambiguous_starts"] = ambiguous_starts_json(ambiguous_starts(error.fact()));
   }
   const std::lock_guard lock(mutex_);
   if (stop.stop_requested()) return;

@@ -11,10 +11,10 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge_report.h>
 
+#include "ambiguous_start.h"
 #include "deform/solve/rotations.h"
 #include "loop_curve.h"
 #include "match_by_arc_length.h"
-#include "open_start.h"
 
 namespace meshgraft {
 
@@ -200,7 +200,7 @@ Correspondence start_at_vertices(int shift, const LoopGeometry& source, const Lo
   return best;
 }
 
-/// Returns the start that turns the source least from its current pose.
+/// Returns the start that rotates the source least from its current pose.
 int least_turn(const Samples& source, const Samples& target) {
   int best = 0;
   double most = -2;
@@ -213,8 +213,8 @@ int least_turn(const Samples& source, const Samples& target) {
   return best;
 }
 
-OpenStart open_start(std::size_t number, const LoopPair& pair, double confidence,
-                     const Correspondence& least_turned) {
+AmbiguousStart ambiguous_start(std::size_t number, const LoopPair& pair, double confidence,
+                               const Correspondence& least_turned) {
   const auto there =
       static_cast<std::size_t>(std::lround(least_turned.loop_parameter.front())) % pair.target.size();
   return {number, {pair.source.front(), pair.target[there]}, confidence};
@@ -233,7 +233,7 @@ std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pa
   Similarity pose;
   const bool known = posed || (pairs.size() > 1 && common_similarity(sources, targets, starts, pose));
   std::vector<Correspondence> found;
-  std::vector<OpenStart> open;
+  std::vector<AmbiguousStart> open;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const auto& [loops, source, target, location] = pairs[p];
     const bool by_pose = posed || (known && starts[p].confidence < distinguished);
@@ -242,10 +242,10 @@ std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pa
     found.back().confidence = starts[p].confidence;
     if (!posed && starts[p].confidence < distinguished)
       open.push_back(
-          open_start(p, loops, starts[p].confidence,
-                     start_at_vertices(least_turn(sources[p], targets[p]), source, target, nullptr)));
+          ambiguous_start(p, loops, starts[p].confidence,
+                          start_at_vertices(least_turn(sources[p], targets[p]), source, target, nullptr)));
   }
-  if (!open.empty()) throw Error(open_start_fact(open), pairs[open.front().pair].location);
+  if (!open.empty()) throw Error(ambiguous_start_fact(open), pairs[open.front().pair].location);
   return found;
 }
 

@@ -6,11 +6,11 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "ambiguous_start.h"
 #include "loops.h"
 #include "match_automatically.h"
 #include "match_by_arc_length.h"
 #include "merge/facts.h"
-#include "open_start.h"
 
 namespace meshgraft {
 
@@ -19,15 +19,15 @@ namespace {
 /// Matches the pairs of one component automatically. Where starts are ambiguous, appends them to `open` with
 /// their indices among all pairs, and leaves these members' correspondences unset.
 void match_members(std::span<const PairGeometry> pairs, const std::vector<std::size_t>& members, bool posed,
-                   std::vector<Correspondence>& found, std::vector<OpenStart>& open) {
+                   std::vector<Correspondence>& found, std::vector<AmbiguousStart>& open) {
   std::vector<PairGeometry> chosen;
   for (const std::size_t p : members) chosen.push_back(pairs[p]);
   try {
     const std::vector<Correspondence> matched = match_automatically(chosen, posed);
     for (std::size_t k = 0; k < members.size(); ++k) found[members[k]] = matched[k];
   } catch (const Error& error) {
-    if (error.id() != facts::merge::OpenStart::id) throw;
-    for (OpenStart start : open_starts(error.fact())) {
+    if (error.id() != facts::merge::AmbiguousStart::id) throw;
+    for (AmbiguousStart start : ambiguous_starts(error.fact())) {
       start.pair = members[start.pair];
       open.push_back(start);
     }
@@ -65,14 +65,14 @@ std::vector<Correspondence> match_loops(std::span<const PairGeometry> pairs, std
   std::vector<Correspondence> found(pairs.size());
   for (std::size_t p = 0; p < pairs.size(); ++p)
     if (!given[p].matches.empty()) found[p] = match_by_arc_length(pairs[p], given[p].matches);
-  std::vector<OpenStart> open;
+  std::vector<AmbiguousStart> open;
   for (std::vector<std::size_t>& members : pairs_by_component(pairs, component)) {
     std::erase_if(members, [&](std::size_t p) { return !given[p].matches.empty(); });
     if (!members.empty()) match_members(pairs, members, posed, found, open);
   }
   if (!open.empty()) {
-    std::ranges::sort(open, {}, &OpenStart::pair);
-    throw Error(open_start_fact(open), pairs[open.front().pair].location);
+    std::ranges::sort(open, {}, &AmbiguousStart::pair);
+    throw Error(ambiguous_start_fact(open), pairs[open.front().pair].location);
   }
   return found;
 }

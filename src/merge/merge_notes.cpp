@@ -36,7 +36,7 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const double misfit = report.pairs[p].misfit_rel;
     if (options.pose == MergePose::keep && (misfit > far_off || (misfit > 1 && report.shape.inverted > 0)))
-      notes.push_back(facts::merge::SourceDrawnOut{.pair = p, .radii = misfit});
+      notes.push_back(facts::merge::SourceStretched{.pair = p, .radii = misfit});
     else if (report.seam.dihedral_p99_deg > folded_deg && misfit > unlike)
       notes.push_back(facts::merge::LoopsDiffer{
           .pair = p, .difference_percent = 100 * misfit, .bend_deg = report.seam.dihedral_p99_deg});

@@ -151,7 +151,7 @@ Note advice_to_clear(const Mesh& source, const FlatLoop& loop, const SizeSearch&
     other *= next_size_ratio;
     const SizeTrial trial = search.at(other, true);
     if (trial.fit && !cuts_through(source, loop, *trial.fit, context))
-      return facts::merge::SourceClearIfSmaller{.size = size, .clear_size = other};
+      return facts::merge::IntersectionAvoidedIfSmaller{.size = size, .smaller_size = other};
   }
   return facts::merge::SourceReachesIn{};
 }

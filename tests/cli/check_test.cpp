@@ -65,5 +65,30 @@ TEST_F(CommandLine, CheckTellsOfOpeningsAndIntersections) {
   EXPECT_GT(json::parse(run("check two.ply --json").out)["self_intersections"], 10);
 }
 
+// Components that nothing holds keep an edit from running; only the edit knows which these are.
+TEST_F(CommandLine, CheckRunsAnEditWithoutWriting) {
+  write_mesh(with_floating_bits(shapes::torus(40, 20, true), 2, 1), folder_ / "scan.ply");
+  const auto write_edit = [&](const std::string& file) {
+    write("edit.json", R"({"format": "meshgraft-edit", "version": 2, "inputs": {"scan": {"file": ")" + file +
+                           R"("}}, "steps": [{"kind": "deform", "mesh": "scan", "region": "all", "handles": [
+        {"name": "hand", "select": {"indices": [0, 1, 2, 3]}, "pose": {"translate": [0, 0, 1]}}]}]})");
+  };
+  write_edit("scan.ply");
+  const Outcome loose = run("check edit.json");
+  EXPECT_EQ(loose.status, 4) << loose.out;
+  EXPECT_NE(loose.out.find("touches nothing that is fixed"), std::string::npos) << loose.out;
+  const json told = json::parse(run("check edit.json --json").out);
+  EXPECT_EQ(told["runs"], false);
+  EXPECT_EQ(told["error"]["id"], "deform.component_not_held");
+  EXPECT_EQ(told["inputs"][0]["repair"][0]["name"], "removed-debris");
+
+  ASSERT_EQ(run("repair scan.ply -o scan_repaired.ply").status, 0);
+  write_edit("scan_repaired.ply");
+  const std::vector<std::string> files = new_files();
+  const Outcome sound = run("check edit.json");
+  EXPECT_EQ(sound.status, 0) << sound.out;
+  EXPECT_EQ(new_files(), files);
+}
+
 }  // namespace
 }  // namespace meshgraft::test

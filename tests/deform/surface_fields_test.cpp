@@ -32,14 +32,11 @@ struct FieldScene {
     return std::make_shared<BendingMatrix>(mesh.positions, mesh.triangles, rings, Context());
   }
   SurfaceFields fields(double smoothing_length_rel = 0.1, const Context& context = {}) const {
-    return {mesh.positions,
-            mesh.triangles,
-            rings,
-            std::make_shared<BisectionTree>(),
+    const auto bisection = std::make_shared<BisectionTree>();
+    return {{mesh.positions, mesh.triangles, rings, bisection},
             given,
             bending(),
-            smoothing_length_rel,
-            SolverBackend::automatic,
+            {.smoothing_length_rel = smoothing_length_rel},
             context};
   }
   Columns values(Eigen::Index columns) const {
@@ -169,7 +166,7 @@ TEST(SurfaceFields, ComponentsWithoutGivenValuesKeepTheirs) {
   const SurfaceFields fields = scene.fields();
   EXPECT_EQ(fields.component()[0], 0);
   EXPECT_EQ(fields.component()[n], 1);
-  EXPECT_EQ(fields.component_holds(), (Flags{1, 0}));
+  EXPECT_EQ(fields.constrained_components(), (Flags{1, 0}));
   const Columns values = scene.values(2), spread = fields.spread(values);
   EXPECT_EQ(spread.bottomRows(n), values.bottomRows(n));
   EXPECT_NE(spread.topRows(n), values.topRows(n));

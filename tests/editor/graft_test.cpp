@@ -55,10 +55,10 @@ TEST_F(GraftEditor, TellsWhichStartsAreOpen) {
   const Json pair = {{"source_loop", loop_0}, {"target_loop", {{"loop", 1}}}};
   const Json event = graft({{"source", "tube"}, {"pairs", {pair}}});
   ASSERT_EQ(event["error"]["code"], "input") << "circles fit from any start";
-  EXPECT_EQ(event["error"]["id"], "merge.open_start");
+  EXPECT_EQ(event["error"]["id"], "merge.ambiguous_start");
   EXPECT_EQ(event["error"]["step"], 0);
-  ASSERT_EQ(event["open_starts"].size(), 1U);
-  const Json& open = event["open_starts"][0];
+  ASSERT_EQ(event["ambiguous_starts"].size(), 1U);
+  const Json& open = event["ambiguous_starts"][0];
   EXPECT_EQ(open["pair"], 0);
   EXPECT_LT(open["confidence"], 0.1);
   Json given = pair;

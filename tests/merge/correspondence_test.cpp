@@ -5,18 +5,18 @@
 
 #include <gtest/gtest.h>
 
+#include "merge/ambiguous_start.h"
 #include "merge/facts.h"
-#include "merge/open_start.h"
 
 namespace meshgraft {
 namespace {
 
-TEST(OpenStarts, AreReadBackFromTheirFact) {
-  std::vector<OpenStart> starts;
+TEST(AmbiguousStarts, AreReadBackFromTheirFact) {
+  std::vector<AmbiguousStart> starts;
   for (int count = 1; count <= 4; ++count) {
     starts.push_back({static_cast<std::size_t>(3 * count), {10 + count, 70 - count}, 0.007 * count});
-    const Fact fact = open_start_fact(starts);
-    const std::vector<OpenStart> read = open_starts(fact);
+    const Fact fact = ambiguous_start_fact(starts);
+    const std::vector<AmbiguousStart> read = ambiguous_starts(fact);
     ASSERT_EQ(read.size(), starts.size());
     for (std::size_t k = 0; k < starts.size(); ++k) {
       EXPECT_EQ(read[k].pair, starts[k].pair);
@@ -31,8 +31,8 @@ TEST(OpenStarts, AreReadBackFromTheirFact) {
   }
 }
 
-TEST(OpenStarts, AreNotReadFromOtherFacts) {
-  EXPECT_THROW(open_starts(facts::merge::FixedAllOnLoops{}), std::out_of_range);
+TEST(AmbiguousStarts, AreNotReadFromOtherFacts) {
+  EXPECT_THROW(ambiguous_starts(facts::merge::FixedAllOnLoops{}), std::out_of_range);
 }
 
 }  // namespace

@@ -97,10 +97,10 @@ TEST(MatchAutomatically, RefusesLoopsThatFitFromOtherStarts) {
       alone(pair);
       ADD_FAILURE() << tips << " tips were matched";
     } catch (const Error& error) {
-      EXPECT_EQ(error.id(), "merge.open_start");
+      EXPECT_EQ(error.id(), "merge.ambiguous_start");
       EXPECT_EQ(error.code(), ErrorCode::input);
       EXPECT_EQ(error.location().text(), "pair 3");
-      const std::vector<OpenStart> starts = open_starts(error.fact());
+      const std::vector<AmbiguousStart> starts = ambiguous_starts(error.fact());
       ASSERT_EQ(starts.size(), 1U);
       EXPECT_EQ(starts[0].pair, 0U);
       EXPECT_LT(starts[0].confidence, 0.03);

@@ -54,8 +54,8 @@ std::vector<std::size_t> open_pairs(const PairsOfParts& parts) {
   try {
     matched(parts);
   } catch (const Error& error) {
-    EXPECT_EQ(error.id(), "merge.open_start");
-    for (const OpenStart& start : open_starts(error.fact())) {
+    EXPECT_EQ(error.id(), "merge.ambiguous_start");
+    for (const AmbiguousStart& start : ambiguous_starts(error.fact())) {
       open.push_back(start.pair);
       EXPECT_EQ(start.least_turned.source, parts.pairs[start.pair].loops.source.front());
       EXPECT_TRUE(std::ranges::count(parts.pairs[start.pair].loops.target, start.least_turned.target));

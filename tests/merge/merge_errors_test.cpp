@@ -124,15 +124,15 @@ TEST(MergeErrors, NameWhatIsWrong) {
 TEST(MergeErrors, RoundLoopsNeedAStart) {
   Graft graft{"tubes", make_sample("cylinder", 24), make_sample("cylinder", 24), {}};
   graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(1)}, {}}};
-  ASSERT_EQ(cause_of(graft), "merge.open_start");
-  const std::vector<OpenStart> starts = open_starts(refusal_of(graft)->fact());
+  ASSERT_EQ(cause_of(graft), "merge.ambiguous_start");
+  const std::vector<AmbiguousStart> starts = ambiguous_starts(refusal_of(graft)->fact());
   ASSERT_EQ(starts.size(), 1U);
   EXPECT_EQ(starts[0].pair, 0U);
   graft.pairs[0].matches = {starts[0].least_turned};
   EXPECT_EQ(cause_of(graft), "");
 }
 
-TEST(MergeErrors, ListTheOpenStartsOfAllComponents) {
+TEST(MergeErrors, ListTheAmbiguousStartsOfAllComponents) {
   const Mesh tube = make_sample("cylinder", 24);
   const auto two = [&] {
     Mesh mesh = tube;
@@ -154,10 +154,10 @@ TEST(MergeErrors, ListTheOpenStartsOfAllComponents) {
   };
   const Graft graft{
       "tubes", two, two, {{{second(loops.at(0)), second(loops.at(1))}, {}}, {{loops.at(0), loops.at(1)}, {}}}};
-  ASSERT_EQ(cause_of(graft), "merge.open_start");
+  ASSERT_EQ(cause_of(graft), "merge.ambiguous_start");
   const Error refusal = *refusal_of(graft);
   EXPECT_EQ(refusal.location().text(), "pair 0");
-  const std::vector<OpenStart> starts = open_starts(refusal.fact());
+  const std::vector<AmbiguousStart> starts = ambiguous_starts(refusal.fact());
   ASSERT_EQ(starts.size(), 2U);
   for (std::size_t p = 0; p < 2; ++p) {
     EXPECT_EQ(starts[p].pair, p);
@@ -240,11 +240,11 @@ TEST(Merge, TellsWhenAKeptPoseDrawsOutANeck) {
   const auto notes = [&] {
     return merge_meshes(target, source, {{pair}}, {.pose = MergePose::keep}).report.notes;
   };
-  EXPECT_THAT(notes(), testing::Not(testing::Contains(HasId("merge.source_drawn_out"))));
+  EXPECT_THAT(notes(), testing::Not(testing::Contains(HasId("merge.source_stretched"))));
   source.positions.col(2).array() += 5;
   const std::vector<Note> told = notes();
   const auto drawn_out = std::find_if(told.begin(), told.end(),
-                                      [](const Note& note) { return note.id() == "merge.source_drawn_out"; });
+                                      [](const Note& note) { return note.id() == "merge.source_stretched"; });
   ASSERT_NE(drawn_out, told.end());
   EXPECT_THAT(drawn_out->text(), testing::HasSubstr("is 5 times the radius of the target's away"));
 }

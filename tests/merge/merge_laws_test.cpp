@@ -45,7 +45,8 @@ Mesh posed(Mesh mesh, unsigned seed) {
   return mesh;
 }
 
-// Returns grafts with one or several loops, and of positive genus. No loop is so round that its start is open.
+// Returns grafts with one or several loops, and of positive genus. No loop is so round that its start is
+// ambiguous.
 std::vector<Graft> grafts_back() {
   return {cut_sample("cactus", 28, {0, 0, 1.3}, {0.2, 0.1, 1}),
           cut_sample("dinosaur", 34, {-1, 0, 0}, {-1, 0.1, 0.2}),

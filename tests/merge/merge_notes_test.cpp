@@ -68,7 +68,7 @@ std::vector<NotedBound> noted_bounds() {
           {"merge.loops_differ", differing(0.25, 61), differing(0.251, 61)},
           {"merge.loops_differ", differing(0.3, 60), differing(0.3, 60.001)},
           {"merge.loops_differ", differing(0.3, 60), differing(0.3, 60.001), kept},
-          {"merge.source_drawn_out", differing(4, 0), differing(4.001, 0), kept},
+          {"merge.source_stretched", differing(4, 0), differing(4.001, 0), kept},
           {"merge.source_squeezed", width(0.3), width(0.299)},
           {"merge.result_not_manifold", manifold(true), manifold(false)},
           {"merge.features_blended", blended(false), blended(true)},
@@ -147,7 +147,7 @@ TEST(MergeNotes, OnlyAKeptPoseDrawsTheSourceOut) {
       const Ids turned = inverted > 0 ? Ids{"merge.source_inverted"} : Ids();
       EXPECT_EQ(note_ids(report), turned) << misfit;
       Ids kept = turned;
-      if (misfit > (inverted > 0 ? 1 : 4)) kept.insert(kept.begin(), "merge.source_drawn_out");
+      if (misfit > (inverted > 0 ? 1 : 4)) kept.insert(kept.begin(), "merge.source_stretched");
       EXPECT_EQ(note_ids(report, {.pose = MergePose::keep}), kept) << misfit;
       // Loops that are far apart need not differ.
       report.seam.dihedral_p99_deg = 90;

@@ -263,7 +263,7 @@ TEST(OpenHole, ShrinksAPartThatWouldReachIntoTheTarget) {
   const OpenedHole asked = open_hole(corner, part, meeting_by(loop, {Eigen::Vector3d(-0.1, 0, 0), 1.0}));
   EXPECT_FALSE(asked.clear);
   ASSERT_EQ(asked.notes.size(), 1U);
-  EXPECT_EQ(asked.notes.front().id(), "merge.source_clear_if_smaller");
+  EXPECT_EQ(asked.notes.front().id(), "merge.intersection_avoided_if_smaller");
 }
 
 TEST(DropPart, GraftsOnAClosedTargetAndMapsItsVertices) {

@@ -19,7 +19,7 @@ TEST_P(RandomGrafts, GiveValidMeshesWithWellShapedSeams) {
   SCOPED_TRACE(graft.text);
   test::Attempt made = test::attempt(graft);
   if (made.refusal) {
-    EXPECT_EQ(made.refusal->id(), "merge.open_start") << made.refusal->what();
+    EXPECT_EQ(made.refusal->id(), "merge.ambiguous_start") << made.refusal->what();
     EXPECT_TRUE(test::fit_of_loops(graft, 0).is_ambiguous());
     ASSERT_TRUE(test::follow_remedy(graft, *made.refusal)) << made.refusal->what();
     made = test::attempt(graft);

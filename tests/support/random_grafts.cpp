@@ -292,8 +292,8 @@ Attempt attempt(const RandomGraft& graft) {
 }
 
 bool follow_remedy(RandomGraft& graft, const Error& refusal) {
-  if (refusal.id() != "merge.open_start") return false;
-  const OpenStart open = open_starts(refusal.fact()).front();
+  if (refusal.id() != "merge.ambiguous_start") return false;
+  const AmbiguousStart open = ambiguous_starts(refusal.fact()).front();
   graft.pairs.at(open.pair).matches = {open.least_turned};
   return true;
 }

@@ -126,7 +126,7 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Rest
 std::vector<VertexConstraint> handle_constraints(const Handle& handle, const HandlePose& pose,
                                                  const RestSurface& rest);
 
-/// The vertices of a mesh that move, stay fixed or are held, by their roles.
+/// The vertices of a mesh that are free, fixed or constrained, by their roles.
 struct Region {
   std::vector<Index> vertices{};  ///< the region of interest; unused if `whole` is set
   bool whole = false;             ///< the region is the whole mesh

@@ -28,7 +28,8 @@ struct MergeResult {
 /// - a loop is not a simple boundary loop;
 /// - loops meet;
 /// - a connected component of the source has no loop (merge.component_without_pair);
-/// - correspondences cross (merge.matches_cross) or are ambiguous (merge.open_start, see `open_starts`);
+/// - correspondences cross (merge.matches_cross) or are ambiguous (merge.ambiguous_start, see
+/// `ambiguous_starts`);
 /// - the orientations disagree (merge.orientations_disagree).
 /// Throws Error(unsolvable) and Error(cancelled).
 MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
@@ -57,7 +58,7 @@ struct DropResult {
 /// grafts the source there in its size.
 ///
 /// Without a given size up to three smaller ones are tried. That happens as long as the graft turns inside
-/// out, or intersects the target although the undeformed source would stand clear of it. The source bends
+/// out, or intersects the target although the undeformed source would not. The source bends
 /// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
 /// given, it bends half as far, or not at all.
 ///

@@ -27,16 +27,16 @@ struct Match {
 };
 
 /// A pair whose loops fit about as well from several starts.
-struct OpenStart {
+struct AmbiguousStart {
   std::size_t pair = 0;  ///< index of the pair
-  /// The start that turns the source least from its given pose, as vertices of the meshes.
+  /// The start that rotates the source least from its given pose, as vertices of the meshes.
   Match least_turned;
   double confidence = 0;  ///< 0 … 1, confidence of the start that fits best
 };
 
-/// Returns the ambiguous pairs that a fact merge.open_start lists, at least one, in the order of pairs. Throws
-/// std::out_of_range for other facts.
-std::vector<OpenStart> open_starts(const Fact& fact);
+/// Returns the ambiguous pairs that a fact merge.ambiguous_start lists, at least one, in the order of pairs.
+/// Throws std::out_of_range for other facts.
+std::vector<AmbiguousStart> ambiguous_starts(const Fact& fact);
 
 /// The origin of the source's position, orientation and scale.
 enum class MergePose {
@@ -105,14 +105,14 @@ struct MergeOptions {
   SeamOptions seam{};
 };
 
-/// Location, size and turn of a source that is put onto a surface without a hole.
+/// Location, size and rotation of a source that is put onto a surface without a hole.
 struct Drop {
   /// A vertex of the target, or a point that stands for the nearest point of the surface.
   std::variant<Index, Eigen::Vector3d> surface_point;
-  /// Approximate scale of the source. Absent: 1 if its loop has room there and the source stands clear of the
-  /// target. Otherwise it is the largest of 0.7, 0.5, 0.35, … with which both hold.
+  /// Approximate scale of the source. Absent: 1 if its loop has room there and the source does not
+  /// intersect the target. Otherwise it is the largest of 0.7, 0.5, 0.35, … with which both hold.
   std::optional<double> size{};
-  /// Turn about the target's normal, right hand, degrees. At 0 the source is turned as little as possible
+  /// Rotation about the target's normal, right hand, degrees. At 0 the source is rotated as little as possible
   /// from its orientation in its own coordinates.
   double spin_deg = 0;
   /// The boundary loop of the source that meets the surface, listed whole and in order.

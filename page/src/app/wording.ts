@@ -311,7 +311,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.no_such_vertex": ({ side, vertex, count }) => ({
     problem: `vertex ${vertex} of the ${sideWord(side)} does not exist; it has ${count}`,
   }),
-  "merge.open_start": () => ({ remedy: "Drag a numbered dot to where the two meet, or twist." }),
+  "merge.ambiguous_start": () => ({ remedy: "Drag a numbered dot to where the two meet, or twist." }),
   "merge.orientations_disagree": ({ inward, outward }) => ({
     problem: `the faces of the ${sideWord(inward)} point inward, those of the ${sideWord(outward)} outward, so that their loops do not run opposite ways`,
     remedy: turnInsideOut,
@@ -336,11 +336,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.size_too_small": ({ size }) => ({
     problem: `the part's loop would be less than a millionth of the model's size at ${formatNumber(size, 3)}`,
   }),
-  "merge.source_clear_if_smaller": ({ size, clear_size }) => ({
-    problem: `the part reaches into the model at size ${formatNumber(size, 3)}; at ${formatNumber(clear_size, 3)} it stands clear`,
+  "merge.intersection_avoided_if_smaller": ({ size, smaller_size }) => ({
+    problem: `the part reaches into the model at size ${formatNumber(size, 3)}; at ${formatNumber(smaller_size, 3)} it does not`,
   }),
-  "merge.source_drawn_out": ({ pair, radii }) => ({
-    problem: `the part's loop of pair ${pair + 1} is ${formatNumber(radii, 3)} times the radius of the model's away, and the part is drawn out that far`,
+  "merge.source_stretched": ({ pair, radii }) => ({
+    problem: `the part's loop of pair ${pair + 1} is ${formatNumber(radii, 3)} times the radius of the model's away, and the part is stretched that far`,
     remedy: "The pose Find brings it there.",
   }),
   "merge.source_inverted": ({ vertices }) => ({

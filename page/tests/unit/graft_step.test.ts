@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import {
   matchesOf, pairsField, readStep, withMovedMatch, withFields, withMatch, withStarts, withoutMatch, withPair, withoutPair,
-  type OpenStart,
+  type AmbiguousStart,
 } from "../../src/app/graft/graft_step";
 
 const step = {
@@ -57,7 +57,7 @@ test("shows dragged fields on top of the document's", () => {
 
 test("reads the start that the engine proposes for round loops", () => {
   const pairs = [0, 1].map((loop) => ({ sourceLoop: loop, targetLoop: loop, matches: [] }));
-  const open: OpenStart[] = [{ pair: 1, start: [3, 10044], confidence: 0.1 }];
+  const open: AmbiguousStart[] = [{ pair: 1, start: [3, 10044], confidence: 0.1 }];
   expect(withStarts(pairs, open)).toEqual([pairs[0], { ...pairs[1], start: [3, 10044] }]);
   expect(withStarts(pairs, [])).toBeUndefined();
   expect(withStarts([], open)).toBeUndefined();

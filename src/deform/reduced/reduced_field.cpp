@@ -56,8 +56,8 @@ void ReducedField::choose_samples(Index centres, Index samples) {
   Flags open(given.size());
   for (Index v = 0; v < patch.size(); ++v) open[v] = !given[v] && !rings[v].empty();
   // Components without a given map come first. Each needs a centre.
-  const Flags& holds = rotations_->fields().component_holds();
-  const auto loose = static_cast<Index>(std::count(holds.begin(), holds.end(), 0));
+  const Flags& constrained = rotations_->fields().constrained_components();
+  const auto loose = static_cast<Index>(std::count(constrained.begin(), constrained.end(), 0));
   centres = std::max(centres, loose);
   samples_ = farthest_vertices(patch.points, rings, given, open, std::max(samples, loose));
   centres_.assign(samples_.begin(),
@@ -104,15 +104,16 @@ void ReducedField::spread_logs(const Context& context) {
 void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
   const Patch& patch = system_->patch();
   const auto centre_count = static_cast<Eigen::Index>(centres_.size());
-  Flags held = system_->mask().transform;
+  Flags known = system_->mask().transform;
   Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
   values.rightCols(given_.cols()) = given_;
   for (Eigen::Index k = 0; k < centre_count; ++k) {
     values(centres_[k], k) = 1;
-    held[centres_[k]] = 1;
+    known[centres_[k]] = 1;
   }
-  const SurfaceFields around_centres(patch.points, system_->triangles(), system_->rings(), system_->bisection(),
-                                     held, rotations_->fields().bending(), -1, backend, context);
+  const FieldSurface surface{patch.points, system_->triangles(), system_->rings(), system_->bisection()};
+  const SurfaceFields around_centres(surface, known, rotations_->fields().bending(), {.backend = backend},
+                                     context);
   const Columns weights = around_centres.spread(values, context);
   centre_weights_ = weights.leftCols(centre_count);
   given_weights_ = weights.rightCols(given_.cols());
@@ -148,27 +149,30 @@ void ReducedField::reduce_smoothing(const Context& context) {
 void ReducedField::fit_loose_components() {
   const SurfaceFields& fields = rotations_->fields();
   const Patch& patch = system_->patch();
-  std::vector<Index> number(fields.component_holds().size(), -1);
+  std::vector<Index> number(fields.constrained_components().size(), -1);
   for (std::size_t c = 0; c < number.size(); ++c) {
-    if (fields.component_holds()[c]) continue;
+    if (fields.constrained_components()[c]) continue;
     number[c] = static_cast<Index>(fits_.size());
     fits_.push_back(Columns::Zero(3, static_cast<Eigen::Index>(4 * handle_count_)));
-    std::vector<std::pair<Index, std::size_t>> held;  // vertex, handle
+    std::vector<std::pair<Index, std::size_t>> handle_vertices;  // vertex, handle
     for (std::size_t h = 0; h < handle_count_; ++h)
       for (const Index vertex : handles_[h].vertices)
         if (const Index v = patch.local(vertex);
             v >= 0 && handles_[h].constrain_position && fields.component()[v] == static_cast<Index>(c))
-          held.emplace_back(v, h);
-    if (held.size() < 4) continue;
-    Eigen::MatrixXd held_points(held.size(), 3), moves = Eigen::MatrixXd::Zero(held.size(), 4 * handle_count_);
-    for (std::size_t k = 0; k < held.size(); ++k) {
+          handle_vertices.emplace_back(v, h);
+    if (handle_vertices.size() < 4) continue;
+    Eigen::MatrixXd handle_points(handle_vertices.size(), 3),
+        moves = Eigen::MatrixXd::Zero(handle_vertices.size(), 4 * handle_count_);
+    for (std::size_t k = 0; k < handle_vertices.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
-      held_points.row(row) = patch.points.row(held[k].first);
-      moves.row(row).segment<4>(static_cast<Eigen::Index>(4 * held[k].second)) << held_points.row(row), 1.0;
+      handle_points.row(row) = patch.points.row(handle_vertices[k].first);
+      moves.row(row).segment<4>(static_cast<Eigen::Index>(4 * handle_vertices[k].second))
+          << handle_points.row(row),
+          1.0;
     }
-    held_points.rowwise() -= held_points.colwise().mean().eval();
+    handle_points.rowwise() -= handle_points.colwise().mean().eval();
     moves.rowwise() -= moves.colwise().mean().eval();
-    fits_.back() = held_points.completeOrthogonalDecomposition().solve(moves);
+    fits_.back() = handle_points.completeOrthogonalDecomposition().solve(moves);
   }
   const auto loose = [&](Index v) { return number[fields.component()[v]]; };
   std::transform(centres_.begin(), centres_.end(), std::back_inserter(centre_component_), loose);
@@ -206,8 +210,8 @@ ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
   sides.field.stretch = scaled_identities(blend_weights_, handle);
   const SurfaceFields& fields = rotations_->fields();
   Index loose = 0;
-  for (std::size_t c = 0; c < fields.component_holds().size(); ++c) {
-    if (fields.component_holds()[c]) continue;
+  for (std::size_t c = 0; c < fields.constrained_components().size(); ++c) {
+    if (fields.constrained_components()[c]) continue;
     const Columns fit = fits_[loose++].middleCols<4>(static_cast<Eigen::Index>(4 * handle));
     for (Index v = 0; v < system_->patch().size(); ++v)
       if (fields.component()[v] == static_cast<Index>(c)) sides.field.stretch.middleRows<3>(3 * v) = fit;

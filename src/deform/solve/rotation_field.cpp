@@ -56,9 +56,12 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
     : system_(system),
       has_features_(!system.features().empty()),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
-      fields_(system.patch().points, system.triangles(), system.rings(), system.bisection(),
-              known_maps(system.mask()), bending_matrix(system, other, context),
-              iterations_ > 0 ? options.smoothing_length_rel : -1, options.backend, context) {
+      fields_(
+          {system.patch().points, system.triangles(), system.rings(), system.bisection()},
+          known_maps(system.mask()), bending_matrix(system, other, context),
+          {.smoothing_length_rel = iterations_ > 0 ? std::optional(options.smoothing_length_rel) : std::nullopt,
+           .backend = options.backend},
+          context) {
   if (other != nullptr) {
     normals_ = other->normals_;
     return;
@@ -147,7 +150,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
         stretch_log(parts.stretch).transpose();
   }
   for (Index v = 0; v < n; ++v)
-    if (const Index c = fields_.component()[v]; c >= 0 && !fields_.component_holds()[c])
+    if (const Index c = fields_.component()[v]; c >= 0 && !fields_.constrained_components()[c])
       logs.row(v) = fit_logs[c];
   logs = fields_.spread(logs, context);
 
@@ -189,7 +192,7 @@ bool RotationField::impose_on_features(const FeatureMaps& maps, const Eigen::Mat
 std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& logs) const {
   const std::vector<Index>& feature = system_.mask().feature;
   const std::vector<Index>& component = fields_.component();
-  std::vector<Logarithm> sums(fields_.component_holds().size(), Logarithm::Zero());
+  std::vector<Logarithm> sums(fields_.constrained_components().size(), Logarithm::Zero());
   std::vector<double> areas(sums.size(), 0.0);
   std::set<std::pair<Index, Index>> touched;  // feature, component
   for (Index v = 0; v < system_.patch().size(); ++v) {
@@ -214,18 +217,19 @@ std::vector<Logarithm> RotationField::mean_logs_around_features(const Columns& l
 /// given positions best. Elsewhere it is I.
 std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexConstraint> constraints) const {
   const Patch& patch = system_.patch();
-  const Flags& holds = fields_.component_holds();
-  std::vector<std::vector<Eigen::Matrix<double, 1, 6>>> moves(holds.size());  // rest position, displacement
+  const Flags& constrained = fields_.constrained_components();
+  std::vector<std::vector<Eigen::Matrix<double, 1, 6>>> moves(
+      constrained.size());  // rest position, displacement
   for (const VertexConstraint& constraint : constraints) {
     const Index v = patch.local(constraint.vertex);
     const Index component = v < 0 ? -1 : fields_.component()[v];
-    if (component < 0 || holds[component] || !constraint.position) continue;
+    if (component < 0 || constrained[component] || !constraint.position) continue;
     moves[component].emplace_back();
     moves[component].back() << patch.points.row(v),
         (constraint.position->transpose() - system_.rest().row(constraint.vertex)) / patch.scale;
   }
-  std::vector<Eigen::Matrix3d> maps(holds.size(), Eigen::Matrix3d::Identity());
-  for (std::size_t c = 0; c < holds.size(); ++c) {
+  std::vector<Eigen::Matrix3d> maps(constrained.size(), Eigen::Matrix3d::Identity());
+  for (std::size_t c = 0; c < constrained.size(); ++c) {
     const auto count = static_cast<Eigen::Index>(moves[c].size());
     if (count < 4) continue;
     Eigen::MatrixXd points(count, 3), displacements(count, 3);

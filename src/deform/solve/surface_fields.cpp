@@ -110,12 +110,11 @@ BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, c
   matrix = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
 }
 
-SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             const std::shared_ptr<BisectionTree>& bisection,
-                             std::span<const std::uint8_t> given,
-                             std::shared_ptr<const BendingMatrix> bending_matrix, double smoothing_length_rel,
-                             SolverBackend backend, const Context& context)
-    : bending_(std::move(bending_matrix)), areas_(vertex_areas(points, triangles)) {
+SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::uint8_t> given,
+                             std::shared_ptr<const BendingMatrix> bending_matrix,
+                             const SurfaceFieldOptions& options, const Context& context)
+    : bending_(std::move(bending_matrix)), areas_(vertex_areas(surface.points, surface.triangles)) {
+  const auto& [points, triangles, rings, bisection] = surface;
   find_components(rings, given);
   if (free_.empty()) return;
 
@@ -125,20 +124,20 @@ SurfaceFields::SurfaceFields(const Points& points, const Triangles& triangles, c
                                     : std::make_shared<const BendingMatrix>(points, triangles, rings, context);
   bound_areas(smallest, rings, areas_);
   const SparseRows& bending = used->matrix;
-  if (!held_.empty()) {
-    spread_rows_ = select_rows(bending, held_);
-    spread_solver_ =
-        factorise(spread_rows_, {held_, &rings, bisection, points(held_, Eigen::all)}, backend, context);
+  if (!spread_to_.empty()) {
+    spread_rows_ = select_rows(bending, spread_to_);
+    spread_solver_ = factorise(spread_rows_, {spread_to_, &rings, bisection, points(spread_to_, Eigen::all)},
+                               options.backend, context);
   }
-  if (smoothing_length_rel < 0) return;
+  if (!options.smoothing_length_rel) return;
   std::vector<double> weights = free_widths(context);
-  for (double& width : weights) width = std::pow(smoothing_length_rel * width, 4);
+  for (double& width : weights) width = std::pow(*options.smoothing_length_rel * width, 4);
   std::vector<double> vertex_weights;
   for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_);
   smooth_solver_ =
-      factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, backend, context);
+      factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, options.backend, context);
 }
 
 /// Returns whether areas raised to `smallest` are those of the bending matrix.
@@ -155,14 +154,14 @@ void SurfaceFields::find_components(const IndexLists& rings, std::span<const std
   std::vector<Index> queue;
   for (Index start = 0; start < rings.size(); ++start) {
     if (rings[start].empty() || component_[start] >= 0) continue;
-    const Index number = static_cast<Index>(holds_.size());
-    holds_.push_back(0);
+    const Index number = static_cast<Index>(constrained_.size());
+    constrained_.push_back(0);
     component_[start] = number;
     queue.assign(1, start);
     while (!queue.empty()) {
       const Index v = queue.back();
       queue.pop_back();
-      holds_[number] |= given[v];
+      constrained_[number] |= given[v];
       for (const Index w : rings[v]) {
         if (component_[w] >= 0) continue;
         component_[w] = number;
@@ -176,7 +175,7 @@ void SurfaceFields::find_components(const IndexLists& rings, std::span<const std
       given_.push_back(v);
     } else {
       free_.push_back(v);
-      if (holds_[component_[v]]) held_.push_back(v);
+      if (constrained_[component_[v]]) spread_to_.push_back(v);
     }
   }
 }
@@ -185,43 +184,44 @@ void SurfaceFields::find_components(const IndexLists& rings, std::span<const std
 /// a uniform load. A plate of width w that is clamped at both sides has mean sag w⁴/720 (Euler–Bernoulli
 /// beam). The width is √(area) if nothing is given.
 std::vector<double> SurfaceFields::free_widths(const Context& context) const {
-  std::vector<double> areas(holds_.size(), 0.0), sags(holds_.size(), 0.0), widths;
+  std::vector<double> areas(constrained_.size(), 0.0), sags(constrained_.size(), 0.0), widths;
   for (const Index v : free_) areas[component_[v]] += areas_[v];
-  if (!held_.empty()) {
-    Eigen::MatrixXd load(static_cast<Eigen::Index>(held_.size()), 1);
-    for (std::size_t k = 0; k < held_.size(); ++k) load(static_cast<Eigen::Index>(k), 0) = areas_[held_[k]];
+  if (!spread_to_.empty()) {
+    Eigen::MatrixXd load(static_cast<Eigen::Index>(spread_to_.size()), 1);
+    for (std::size_t k = 0; k < spread_to_.size(); ++k)
+      load(static_cast<Eigen::Index>(k), 0) = areas_[spread_to_[k]];
     const Eigen::MatrixXd sag = spread_solver_->solve(load, context);
-    for (std::size_t k = 0; k < held_.size(); ++k)
-      sags[component_[held_[k]]] += areas_[held_[k]] * sag(static_cast<Eigen::Index>(k), 0);
+    for (std::size_t k = 0; k < spread_to_.size(); ++k)
+      sags[component_[spread_to_[k]]] += areas_[spread_to_[k]] * sag(static_cast<Eigen::Index>(k), 0);
   }
-  for (std::size_t c = 0; c < holds_.size(); ++c) {
-    const double mean_sag = holds_[c] && areas[c] > 0 ? sags[c] / areas[c] : areas[c] * areas[c] / 720;
+  for (std::size_t c = 0; c < constrained_.size(); ++c) {
+    const double mean_sag = constrained_[c] && areas[c] > 0 ? sags[c] / areas[c] : areas[c] * areas[c] / 720;
     widths.push_back(std::pow(720 * std::max(mean_sag, 0.0), 0.25));
   }
   return widths;
 }
 
 Columns SurfaceFields::spread(const Columns& values, const Context& context) const {
-  if (held_.empty()) return values;
+  if (spread_to_.empty()) return values;
   // Solves for differences from the mean of each component's given values, so that a constant stays exactly
   // constant.
   const Eigen::Index columns = values.cols();
-  Columns means = Columns::Zero(static_cast<Eigen::Index>(holds_.size()), columns);
-  std::vector<double> areas(holds_.size(), 0.0);
+  Columns means = Columns::Zero(static_cast<Eigen::Index>(constrained_.size()), columns);
+  std::vector<double> areas(constrained_.size(), 0.0);
   for (const Index v : given_) {
     means.row(component_[v]) += areas_[v] * values.row(v);
     areas[component_[v]] += areas_[v];
   }
-  for (std::size_t c = 0; c < holds_.size(); ++c)
+  for (std::size_t c = 0; c < constrained_.size(); ++c)
     if (areas[c] > 0) means.row(static_cast<Eigen::Index>(c)) /= areas[c];
   Columns differences = Columns::Zero(values.rows(), columns);
   for (const Index v : given_) differences.row(v) = values.row(v) - means.row(component_[v]);
   for (int pass = 0; pass < 2; ++pass)  // the second pass corrects with the residual of the first
     add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, differences, context)),
                               {.tolerance = std::sqrt(solver_tolerance)}, context),
-        held_, differences);
+        spread_to_, differences);
   Columns fields = values;
-  for (const Index v : held_) fields.row(v) = differences.row(v) + means.row(component_[v]);
+  for (const Index v : spread_to_) fields.row(v) = differences.row(v) + means.row(component_[v]);
   return fields;
 }
 

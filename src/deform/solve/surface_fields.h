@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,19 +25,31 @@ struct BendingMatrix {
                 const Context& context);
 };
 
+/// A surface on which fields are sought, by reference. `bisection` of the rings is used, or filled if empty.
+struct FieldSurface {
+  const Points& points;
+  const Triangles& triangles;
+  const IndexLists& rings;
+  const std::shared_ptr<BisectionTree>& bisection;
+};
+
+struct SurfaceFieldOptions {
+  /// The smoothing length ℓ, × the width of the surface between vertices with given values. Absent: `smooth`
+  /// must not be called.
+  std::optional<double> smoothing_length_rel{};
+  SolverBackend backend = SolverBackend::automatic;
+};
+
 /// Scalar fields on a surface, given at some vertices. They are extended from there as smoothly as possible,
 /// or smoothed elsewhere. Both minimise integrals over the surface (K the Dirichlet matrix, M the vertex
 /// areas). The result therefore does not depend on how finely the surface is triangulated.
 class SurfaceFields {
  public:
-  /// `given` holds flags per vertex. The smoothing length ℓ is relative to the width of the surface between
-  /// vertices with given values. If it is negative, `smooth` must not be called. `bisection` of the rings is
-  /// used, or filled if empty. `bending` belongs to this surface, or to a larger one that contains it. In the
-  /// latter case rows within two edges of the rest of the larger surface are not used.
-  SurfaceFields(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                const std::shared_ptr<BisectionTree>& bisection, std::span<const std::uint8_t> given,
-                std::shared_ptr<const BendingMatrix> bending, double smoothing_length_rel,
-                SolverBackend backend, const Context& context = {});
+  /// `given` has a flag per vertex. `bending` belongs to this surface, or to a larger one that contains it. In
+  /// the latter case rows within two edges of the rest of the larger surface are not used.
+  SurfaceFields(const FieldSurface& surface, std::span<const std::uint8_t> given,
+                std::shared_ptr<const BendingMatrix> bending, const SurfaceFieldOptions& options = {},
+                const Context& context = {});
 
   /// Returns fields (n×k) that equal `values` where they are given and have least ∫ |Δf|² elsewhere.
   /// Components without given values keep all of `values`.
@@ -49,7 +62,7 @@ class SurfaceFields {
   const std::vector<double>& areas() const { return areas_; }
   /// Return the connected component of each vertex (-1 for isolated ones), and whether it has given values.
   const std::vector<Index>& component() const { return component_; }
-  const Flags& component_holds() const { return holds_; }
+  const Flags& constrained_components() const { return constrained_; }
   const std::shared_ptr<const BendingMatrix>& bending() const { return bending_; }
 
  private:
@@ -61,10 +74,10 @@ class SurfaceFields {
   std::shared_ptr<const BendingMatrix> bending_;
   std::vector<double> areas_;
   std::vector<Index> component_;
-  Flags holds_;
+  Flags constrained_;
   std::vector<Index> given_, free_;  ///< vertices with faces, with and without a given value
-  std::vector<Index> held_;          ///< vertices of `free_` in components with given values
-  SparseRows spread_rows_;           ///< held × n, the rows of the system that `spread` solves
+  std::vector<Index> spread_to_;     ///< vertices of `free_` in components with given values
+  SparseRows spread_rows_;           ///< k×n, the rows of the system that `spread` solves
   std::unique_ptr<LinearSolver> spread_solver_, smooth_solver_;
 };
 

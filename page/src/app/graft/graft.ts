@@ -138,7 +138,7 @@ export class Graft {
   }
 
   // A trial run comes first, so that one undo takes the graft back. If round loops fit equally well from several
-  // starts, the start that turns the part least is taken.
+  // starts, the start that rotates the part least is taken.
   private async startAlone(name: string): Promise<void> {
     this.arrangement.value = "result";
     this.dragged.value = { source: name };
@@ -152,7 +152,7 @@ export class Graft {
   /** Starts that were chosen automatically among several that fit equally well. */
   readonly chosenStarts = signal<ReadonlySet<string>>(new Set());
   private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
-    const pairs = withStarts(this.pairs.value, report?.open_starts ?? []);
+    const pairs = withStarts(this.pairs.value, report?.ambiguous_starts ?? []);
     return pairs === undefined ? undefined : pairsField(pairs);
   }
   /** The starts that the engine proposes, as a field of a request; undefined if there are none. */

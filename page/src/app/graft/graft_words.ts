@@ -55,7 +55,7 @@ function inGraft(graft: Graft, pairs: number): LiveWords {
   }
   if (pairs === 0 && graft.kept.value?.at === undefined)
     return { tone: "idle", text: "Click a loop on each to pair them", explained: "" };
-  if ((report?.open_starts ?? []).length > 0)
+  if ((report?.ambiguous_starts ?? []).length > 0)
     return { tone: "warning", text: "Say where the loops meet: drag their numbered starts, or twist", explained: "They fit alike in several ways." };
   if (graft.preview.value === null || graft.dragged.value !== null)
     return { tone: "busy", text: "Working out the graft", explained: "A preview comes in a moment." };

@@ -2,7 +2,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Arrangement } from "../../app/graft/graft";
 import { cssColour, pairColour } from "../../app/graft/graft_colours";
 import { asTyped } from "../../app/units";
-import type { GraftFields, GraftStep, OpenStart } from "../../app/graft/graft_step";
+import type { GraftFields, GraftStep, AmbiguousStart } from "../../app/graft/graft_step";
 import { withoutMatch, withoutPair } from "../../app/graft/graft_step";
 import { pairingWords } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
@@ -121,8 +121,8 @@ function Pairs({ page }: { page: Page }) {
       <ul class="list pairs-list" aria-label="Pairs of loops">
         {pairs.map((pair, i) => {
           const found = pair.start === undefined && pair.matches.length === 0;
-          const open = report?.open_starts?.find((one) => one.pair === i);
-          const confidence = open?.confidence ?? report?.pairs?.[i]?.confidence;
+          const ambiguous = report?.ambiguous_starts?.find((one) => one.pair === i);
+          const confidence = ambiguous?.confidence ?? report?.pairs?.[i]?.confidence;
           return (
             <li key={i} class={i === graft.activePair.value ? "active" : ""}>
               <button
@@ -137,8 +137,8 @@ function Pairs({ page }: { page: Page }) {
                 <span class="list-name">
                   {loopWords(pair.sourceLoop)} → {loopWords(pair.targetLoop)}
                   <small>
-                    {open !== undefined
-                      ? openWords(open)
+                    {ambiguous !== undefined
+                      ? ambiguousWords(ambiguous)
                       : found
                         ? confidenceWords(confidence)
                         : graft.chosenStarts.value.has(String(pair.start))
@@ -190,8 +190,8 @@ function loopWords(loop: number): string {
   return loop < 0 ? "a loop" : `loop ${loop + 1}`;
 }
 
-function openWords({ confidence }: OpenStart): string {
-  return `open where they meet, confidence ${Math.round(100 * confidence)} %`;
+function ambiguousWords({ confidence }: AmbiguousStart): string {
+  return `ambiguous where they meet, confidence ${Math.round(100 * confidence)} %`;
 }
 
 function confidenceWords(confidence: number | undefined): string {

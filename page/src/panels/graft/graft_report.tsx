@@ -35,7 +35,7 @@ export function GraftReportView({ page }: { page: Page }) {
         {proposed !== undefined && (
           <>
             <span>
-              Drag a numbered dot to where the two meet, or take the start that turns the part least.
+              Drag a numbered dot to where the two meet, or take the start that rotates the part least.
             </span>
             <Button label="Take that start" onClick={() => void graft.set({ pairs: proposed })} />
           </>
