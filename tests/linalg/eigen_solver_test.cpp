@@ -49,8 +49,8 @@ TEST(EigenSolver, CountsWhatItStores) {
     const SolverStatistics statistics = solver->statistics();
     const auto unknowns = static_cast<double>(statistics.unknowns),
                nonzeros = static_cast<double>(statistics.factor_nonzeros);
-    EXPECT_EQ(statistics.backend, "eigen");
-    EXPECT_EQ(statistics.ordering, "amd");
+    EXPECT_EQ(statistics.backend, SolverBackend::eigen);
+    EXPECT_EQ(statistics.ordering, Ordering::minimum_degree);
     EXPECT_EQ(statistics.unknowns, family.lower.rows());
     EXPECT_EQ(statistics.matrix_nonzeros, family.lower.nonZeros());
     EXPECT_GE(statistics.factor_nonzeros, statistics.matrix_nonzeros) << family.name;

@@ -41,8 +41,8 @@ TEST(MultifrontalSolver, FillsLessThanMinimumDegreeAndDependsOnNoOtherThread) {
     second = analysed({group, &rings});
     other.join();
     const SolverStatistics minimum_degree = analysed({});
-    ASSERT_EQ(first.ordering, "dissection") << mesh.vertex_count();
-    EXPECT_EQ(minimum_degree.ordering, "amd");
+    ASSERT_EQ(first.ordering, Ordering::mesh_dissection) << mesh.vertex_count();
+    EXPECT_EQ(minimum_degree.ordering, Ordering::minimum_degree);
     EXPECT_EQ(first.factor_nonzeros, second.factor_nonzeros);
     EXPECT_LT(first.factor_flops, minimum_degree.factor_flops) << sample;
   }

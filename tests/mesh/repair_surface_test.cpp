@@ -4,9 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/mesh/diagnostics.h>
 
-#include "shapes.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {
@@ -31,8 +29,7 @@ TEST(RepairSurface, KnowsTheOriginOfAllElements) {
     RepairSurface surface(mesh, no_limits);
     Flags every_third(mesh.face_count(), 0);
     for (Index f = 0; f < mesh.face_count(); f += 3) every_third[f] = 1;
-    surface.report_faces("removed-face", every_third,
-                         [](Index) { return check_mesh(shapes::bow_tie()).findings[0].note; });
+    surface.report_faces(RepairChangeKind::removed_duplicate_face, every_third);
     surface.remove_faces(every_third);
     const RepairResult result = surface.finish(true);
     ASSERT_EQ(result.mesh.face_count(), mesh.face_count() - (mesh.face_count() + 2) / 3);

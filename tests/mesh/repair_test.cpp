@@ -76,7 +76,7 @@ TEST(Repair, MendsEachDefectOfEachFamily) {
       EXPECT_TRUE(result.changed() || defective.count == 0);
       expect_sound_maps(defective.mesh, result);
       const RepairResult again = repair(result.mesh);
-      EXPECT_FALSE(again.changed()) << again.changes.front().name;
+      EXPECT_FALSE(again.changed()) << name_of(again.changes.front().kind);
       EXPECT_TRUE(same_bits(again.mesh, result.mesh));
     }
   }
