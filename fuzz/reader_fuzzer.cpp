@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "core/memory_budget.h"
 #include "io/format.h"
 
 namespace {
@@ -27,6 +28,12 @@ void require(bool condition) {
   if (!condition) std::abort();
 }
 
+Mesh read(const std::string& content, const std::string& name) {
+  meshgraft::MemoryBudget budget{meshgraft::Context{}};
+  budget.charge(content.size());
+  return format().read(content, name, budget, {});
+}
+
 std::string written(const Mesh& mesh, const std::string& name) {
   return format().write(mesh, name, {}, {}).content;
 }
@@ -34,7 +41,7 @@ std::string written(const Mesh& mesh, const std::string& name) {
 void try_to_write_edited(Mesh mesh, const std::string& name) {
   mesh.positions.array() *= 1.5;
   try {
-    const Mesh again = format().read(written(mesh, name), name, {});
+    const Mesh again = read(written(mesh, name), name);
     require(again.face_count() == mesh.face_count());
   } catch (const meshgraft::Error&) {
     // The format's numbers cannot hold the edited coordinates.
@@ -51,7 +58,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       "/fuzz/in" + std::string(has_signature ? format().extensions.front() : format().extensions.back());
   Mesh mesh;
   try {
-    mesh = format().read(content, name, {});
+    mesh = read(content, name);
   } catch (const meshgraft::Error&) {
     return 0;
   }

@@ -11,6 +11,8 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/memory_budget.h"
+
 namespace meshgraft::io {
 
 /// A file and its bytes.
@@ -35,8 +37,9 @@ struct Format {
   /// Returns true if the content can be of no other format. Null for formats without a signature.
   bool (*has_signature)(std::string_view content);
 
-  /// Reads a mesh. `name` is the file's name for messages. Throws Error(input) with the location in the file.
-  Mesh (*read)(std::string content, const std::string& name, const Context& context);
+  /// Reads a mesh. `name` is the file's name for messages. The content has been charged to the budget. Throws
+  /// Error(input) with the location in the file, and Error(memory) beyond the budget.
+  Mesh (*read)(std::string content, const std::string& name, MemoryBudget& budget, const Context& context);
 
   /// Composes the file `path`. Throws Error(input) for positions that the format cannot hold.
   Written (*write)(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,

@@ -6,6 +6,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/facts.h"
+#include "core/memory_budget.h"
 #include "file.h"
 #include "file_document.h"
 #include "format.h"
@@ -72,6 +74,14 @@ const io::Format& format_of_content(std::string_view content, const std::filesys
   return format_of_extension(path);
 }
 
+Mesh read_as(const io::Format& format, std::string content, const std::filesystem::path& path,
+             MemoryBudget& budget, const Context& context) try {
+  return format.read(std::move(content), path.string(), budget, context);
+} catch (const Error& error) {
+  if (error.id() == facts::core::OverBudget::id && error.location().empty()) throw error.at(path);
+  throw;
+}
+
 void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std::filesystem::path& path) {
   require_morph_targets(path);
   if (target.rest.rows() != mesh.positions.rows())
@@ -87,7 +97,7 @@ Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
   std::string content = read_file(path, budget);
   if (content.empty()) throw Error(facts::io::EmptyFile{}, path);
   const io::Format& format = format_of_content(content, path);
-  Mesh mesh = format.read(std::move(content), path.string(), context);
+  Mesh mesh = read_as(format, std::move(content), path, budget, context);
   context.step("read", 1);
   return mesh;
 }

@@ -74,7 +74,7 @@ std::size_t load_index(const GltfBytes& buffers, const GltfAccessor::Strided& at
 }
 
 void resolve_sparse(const JsonView& root, const JsonView& sparse, const GltfBytes& buffers,
-                    GltfAccessor& accessor) {
+                    MemoryBudget* budget, GltfAccessor& accessor) {
   const std::uint64_t count = sparse.at("count").whole();
   if (count > accessor.count)
     sparse.at("count").fail(facts::gltf::SparseCountTooLarge{.sparse = count, .count = accessor.count});
@@ -89,6 +89,8 @@ void resolve_sparse(const JsonView& root, const JsonView& sparse, const GltfByte
   const auto value_range =
       resolve_range(root, values, accessor.sparse_count, accessor.element_size(), false, buffers);
   accessor.sparse_parts = {index_range, value_range};
+  constexpr std::uint64_t bytes_of_entry = 64;  // of a hash table with a node per entry
+  if (budget != nullptr) budget->charge(accessor.sparse_count * bytes_of_entry);
   for (std::size_t k = 0; k < accessor.sparse_count; ++k) {
     const std::size_t element = load_index(buffers, index_range, k, type);
     if (element >= accessor.count)
@@ -124,7 +126,8 @@ double GltfAccessor::unit() const {
   }
 }
 
-GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const GltfBytes& buffers) {
+GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const GltfBytes& buffers,
+                              MemoryBudget* budget) {
   const JsonView json = root.at("accessors").at(index);
   GltfAccessor accessor;
   accessor.type = scalar_type(json.at("componentType"));
@@ -137,7 +140,7 @@ GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const Glt
   accessor.count = static_cast<std::size_t>(count);
   if (json.find("bufferView"))
     accessor.dense = resolve_range(root, json, accessor.count, accessor.element_size(), true, buffers);
-  if (const auto sparse = json.find("sparse")) resolve_sparse(root, *sparse, buffers, accessor);
+  if (const auto sparse = json.find("sparse")) resolve_sparse(root, *sparse, buffers, budget, accessor);
   if (!accessor.dense) {
     // Zeros need no bytes in a file, so a count without data must not decide how much memory is taken.
     std::size_t bytes = 0;

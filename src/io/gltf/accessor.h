@@ -10,6 +10,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/memory_budget.h"
 #include "json.h"
 
 namespace meshgraft::io {
@@ -60,8 +61,9 @@ using GltfBytes = std::vector<std::string_view>;
 bool is_index_type(ScalarType type);
 
 /// Checks an accessor and its ranges. Throws Error(input) naming the member that is missing, unknown or out
-/// of range.
-GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const GltfBytes& buffers);
+/// of range. `budget`, which may be null, is charged for the table of a sparse accessor.
+GltfAccessor resolve_accessor(const JsonView& root, std::size_t index, const GltfBytes& buffers,
+                              MemoryBudget* budget = nullptr);
 
 /// Load one component as it is stored, and all components of an element as the values that they stand for.
 double load_component(const GltfAccessor& accessor, std::size_t element, std::size_t component,

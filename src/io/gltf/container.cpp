@@ -81,11 +81,11 @@ class BufferLoader {
     const std::uint64_t size = buffer.at("byteLength").whole();
     std::size_t available = 0;
     if (const auto uri = buffer.find("uri")) {
-      const std::string text = uri->text();
-      if (is_data_uri(text)) {
+      if (uri->json().is_string() && is_data_uri(uri->json().get_ref<const std::string&>())) {
         loaded.storage = GltfBuffer::Storage::data_uri;
-        loaded.own = decode(text, *uri);
+        loaded.own = decode(uri->json().get_ref<const std::string&>(), *uri);
       } else {
+        const std::string text = uri->text();
         loaded.storage = GltfBuffer::Storage::file;
         loaded.path = fs::path(buffer.file()).parent_path() / path_of_uri(text, *uri);
         loaded.own = read_beside(loaded.path, *uri);

@@ -21,8 +21,10 @@ constexpr std::size_t deepest_nesting = 200;
 bool is_json_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 /// Refuses deep nesting. Comparing and patching values recurse, so a hostile file could exhaust the stack.
-void require_shallow(std::string_view text, const std::string& file) {
+/// Returns the number of brackets that open, commas and colons: at least that of the values.
+std::size_t require_shallow(std::string_view text, const std::string& file) {
   std::size_t depth = 0;
+  std::size_t values = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
@@ -31,7 +33,10 @@ void require_shallow(std::string_view text, const std::string& file) {
       if (c == '"') in_string = false;
     } else if (c == '"') {
       in_string = true;
+    } else if (c == ',' || c == ':') {
+      ++values;
     } else if (c == '{' || c == '[') {
+      ++values;
       if (++depth > deepest_nesting)
         throw Error(facts::gltf::JsonTooDeep{.deepest = deepest_nesting},
                     Location::file(file) / Location::place(line_name(text, i)));
@@ -39,6 +44,7 @@ void require_shallow(std::string_view text, const std::string& file) {
       --depth;
     }
   }
+  return values;
 }
 
 /// Copies a JSON text value by value and replaces the values that differ. The text must be well formed and
@@ -198,8 +204,11 @@ class JsonPatcher {
 
 }  // namespace
 
-Json parse_gltf_json(std::string_view text, const std::string& file) {
-  require_shallow(text, file);
+Json parse_gltf_json(std::string_view text, const std::string& file, MemoryBudget* budget) {
+  // A value takes 16 bytes, a member of an object 48, and as much again while a list grows.
+  constexpr std::uint64_t bytes_of_value = 64;
+  const std::size_t values = require_shallow(text, file);
+  if (budget != nullptr) budget->charge(text.size() + values * bytes_of_value);
   Json json;
   try {
     json = Json::parse(text);

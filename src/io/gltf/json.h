@@ -10,14 +10,17 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/memory_budget.h"
+
 namespace meshgraft::io {
 
 /// JSON that keeps its members in the order of the file.
 using Json = nlohmann::ordered_json;
 
 /// Parses the JSON of a glTF file. Throws Error(input) with line or byte if it is malformed, is not an
-/// object, or is nested deeper than any glTF file needs.
-Json parse_gltf_json(std::string_view text, const std::string& file);
+/// object, or is nested deeper than any glTF file needs. `budget`, which may be null, is charged for the values
+/// before they are made.
+Json parse_gltf_json(std::string_view text, const std::string& file, MemoryBudget* budget = nullptr);
 
 /// Returns `text`, which reads as `before`, with the fewest changes so that it reads as `after`. Equal values
 /// keep their bytes (number texts, blanks, order). New members and elements follow the last one.

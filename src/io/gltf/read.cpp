@@ -18,6 +18,7 @@
 #include "document.h"
 #include "gltf.h"
 #include "gltf/facts.h"
+#include "io/charged.h"
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
@@ -58,9 +59,8 @@ struct PositionHash {
 /// at exactly the same position become one vertex. All other attributes are read per corner.
 class GltfReader {
  public:
-  GltfReader(std::string content, const std::string& name, const Context& context)
-      : name_(name), context_(context), budget_(context), document_(std::make_shared<GltfDocument>()) {
-    budget_.charge(content.size());
+  GltfReader(std::string content, const std::string& name, MemoryBudget& budget, const Context& context)
+      : name_(name), context_(context), budget_(budget), document_(std::make_shared<GltfDocument>()) {
     document_->path = name;
     document_->content = std::move(content);
   }
@@ -68,8 +68,7 @@ class GltfReader {
   Mesh read() {
     open();
     for (GltfInstance& instance : document_->instances) read_instance(instance);
-    mesh_.positions =
-        Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(vertices_.size() / 3), 3);
+    fill_positions();
     mark_out_of_range();
     read_attributes();
     read_labels();
@@ -83,32 +82,42 @@ class GltfReader {
     GltfDocument& document = *document_;
     document.is_glb = has_glb_signature(document.content);
     if (document.is_glb) document.layout = parse_glb(document.content, name_);
-    document.json = parse_gltf_json(document.json_text(), name_);
+    document.json = parse_gltf_json(document.json_text(), name_, &budget_);
     const JsonView root = view();
     require_version(root);
     require_known_geometry(root);
     document.buffers = load_buffers(root, document.layout, budget_);
     bytes_ = document.bytes();
+    const std::size_t named = root.count("nodes") + root.count("meshes") + root.count("materials");
+    budget_.charge(named * (3 * sizeof(GltfInstance) + bytes_of_label));
     document.instances = instances_of(root);
-    require_room();
+    reserve();
   }
 
-  // Refuses files that show too many triangles, before memory is taken. A small file can show one mesh any
-  // number of times.
-  void require_room() {
-    constexpr std::uint64_t most_corners = 300'000'000, bytes_a_corner = 40;
+  /// Reserves memory for the corners, which are counted first. Refuses files that show too many triangles, and
+  /// those whose attributes exceed the budget. A small file can show one mesh any number of times.
+  void reserve() {
+    constexpr std::uint64_t most_corners = 300'000'000;
     std::map<std::size_t, std::uint64_t> corners_of_mesh;
+    std::map<std::string, std::size_t> components_of;  // of attributes
     std::uint64_t corners = 0;
     for (const GltfInstance& instance : document_->instances) {
       const auto [known, is_new] = corners_of_mesh.try_emplace(instance.mesh, 0);
-      if (is_new) known->second = corners_of(view().at("meshes").at(instance.mesh).at("primitives"));
+      if (is_new)
+        known->second = corners_of(view().at("meshes").at(instance.mesh).at("primitives"), components_of);
       corners += known->second;
     }
-    if (corners > std::min(most_corners, budget_.left() / bytes_a_corner))
-      view().fail(facts::gltf::TooManyTriangles{.millions = corners / 3'000'000});
+    if (corners > most_corners) view().fail(facts::gltf::TooManyTriangles{.millions = corners / 3'000'000});
+    std::uint64_t values = 0;
+    for (const auto& [attribute, components] : components_of) values += components;
+    budget_.require(corners * (sizeof(double) * values + 2 * sizeof(Index)));
+    const auto count = static_cast<std::size_t>(corners);
+    reserve_charged(mesh_.faces, count / 3, count, budget_);
+    reserve_charged(document_->corner_elements, count, budget_);
   }
 
-  std::uint64_t corners_of(const JsonView& primitives) {
+  /// Counts the corners of primitives, and adds their attributes to `components_of`.
+  std::uint64_t corners_of(const JsonView& primitives, std::map<std::string, std::size_t>& components_of) {
     std::uint64_t corners = 0;
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       const JsonView primitive = primitives.at(p);
@@ -118,6 +127,13 @@ class GltfReader {
       const std::size_t elements = accessor(accessor_index(*positions)).count;
       const std::uint64_t count = indices ? accessor(accessor_index(*indices)).count : elements;
       corners += primitive.whole("mode", 4) == 4 ? count : 3 * count;
+      const JsonView attributes = primitive.at("attributes");
+      for (const auto& member : attributes.json().items()) {
+        const auto channel = channel_of(member.key());
+        if (!channel || channel->attribute.empty()) continue;
+        std::size_t& components = components_of[channel->attribute];
+        components = std::max(components, accessor(accessor_index(attributes.at(member.key()))).components);
+      }
     }
     return corners;
   }
@@ -126,7 +142,7 @@ class GltfReader {
 
   void read_instance(GltfInstance& instance) {
     const JsonView primitives = view().at("meshes").at(instance.mesh).at("primitives");
-    welded_.clear();
+    forget_welded();
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       const JsonView primitive = primitives.at(p);
       const JsonView attributes = primitive.at("attributes");
@@ -137,6 +153,7 @@ class GltfReader {
       if (const auto extensions = primitive.find("extensions"))
         if (extensions->find("KHR_draco_mesh_compression"))
           primitive.fail(facts::gltf::Compressed{.extension = "KHR_draco_mesh_compression"});
+      budget_.charge(2 * (sizeof(GltfPart) + sizeof(GltfElementMap)));
       GltfPart part{p, map_of(instance, accessor_index(*positions)), mesh_.faces.corner_count(), 0};
       read_triangles(primitive, instance, part);
       part.corner_count = mesh_.faces.corner_count() - part.first_corner;
@@ -151,7 +168,7 @@ class GltfReader {
   const GltfAccessor& accessor(std::size_t index) {
     const auto known = accessors_.find(index);
     if (known != accessors_.end()) return known->second;
-    return accessors_.emplace(index, resolve_accessor(view(), index, bytes_)).first->second;
+    return accessors_.emplace(index, resolve_accessor(view(), index, bytes_, &budget_)).first->second;
   }
 
   const GltfAccessor& accessor(const JsonView& reference, std::size_t components) {
@@ -172,7 +189,7 @@ class GltfReader {
   void read_triangles(const JsonView& primitive, GltfInstance& instance, const GltfPart& part) {
     const GltfAccessor& positions = accessor(primitive.at("attributes").at("POSITION"), 3);
     GltfElementMap& map = instance.maps[part.map];
-    map.vertex.resize(positions.count, -1);
+    resize_charged(map.vertex, positions.count, Index{-1}, budget_);
     const GltfAccessor* indices = nullptr;
     if (const auto reference = primitive.find("indices")) {
       indices = &accessor(*reference, 1);
@@ -210,15 +227,15 @@ class GltfReader {
       const std::size_t element = elements[k];
       if (element >= positions.count) {
         face[k] = std::numeric_limits<Index>::max();  // reported by check_mesh
-        document_->corner_elements.push_back(no_element);
+        push_charged(document_->corner_elements, no_element, budget_);
         continue;
       }
       if (map.vertex[element] < 0)
         map.vertex[element] = weld(load_value(positions, element, bytes_), placement);
       face[k] = map.vertex[element];
-      document_->corner_elements.push_back(static_cast<std::uint32_t>(element));
+      push_charged(document_->corner_elements, static_cast<std::uint32_t>(element), budget_);
     }
-    mesh_.faces.push_back(face);
+    push_charged(mesh_.faces, face, budget_);
   }
 
   Index weld(const GltfValue& local, const GltfPlacement& placement) {
@@ -227,10 +244,27 @@ class GltfReader {
     const bool is_finite = std::isfinite(key[0]) && std::isfinite(key[1]) && std::isfinite(key[2]);
     const auto [entry, is_new] = is_finite ? welded_.try_emplace(key, next) : std::pair(welded_.end(), true);
     if (is_new) {
+      if (is_finite && (welded_.size() - 1) % entries_per_charge == 0)
+        budget_.charge(entries_per_charge * bytes_of_entry);
+      make_room(vertices_, 3, budget_);
       const GltfValue world = placement.to_mesh(GltfChannel::Kind::position, local);
       vertices_.insert(vertices_.end(), world.begin(), world.begin() + 3);
     }
     return is_new ? next : entry->second;
+  }
+
+  void forget_welded() {
+    budget_.release((welded_.size() + entries_per_charge - 1) / entries_per_charge * entries_per_charge *
+                    bytes_of_entry);
+    welded_ = {};
+  }
+
+  void fill_positions() {
+    forget_welded();
+    const std::size_t count = vertices_.size() / 3;
+    resize_charged(mesh_.positions, count, budget_);
+    mesh_.positions = Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(count), 3);
+    free_charged(vertices_, budget_);
   }
 
   /// Refuses so many vertices that the marker of an index out of range would be a valid index.
@@ -253,9 +287,8 @@ class GltfReader {
             read_channel(*channel, attributes.at(member.key()), instance, part);
       }
     }
-    for (auto& [name, attribute] : corner_attributes_) {
+    for (auto& [name, attribute] : corner_attributes_)
       if (!move_to_vertices(attribute)) mesh_.attributes.push_back(std::move(attribute));
-    }
   }
 
   JsonView primitive_of(const GltfInstance& instance, const GltfPart& part) const {
@@ -303,10 +336,11 @@ class GltfReader {
       if (is_direction) attribute.interpolation = Interpolation::direction;
       attribute.type = channel.kind == GltfChannel::Kind::uv ? ScalarType::float64 : ScalarType::float32;
       attribute.components = static_cast<int>(components);
-      attribute.values.assign(corners * components, no_value);
+      resize_charged(attribute.values, corners * components, no_value, budget_);
     } else if (static_cast<std::size_t>(attribute.components) < components) {
       const auto old_components = static_cast<std::size_t>(attribute.components);
-      std::vector<double> wide(corners * components, no_value);
+      std::vector<double> wide;
+      resize_charged(wide, corners * components, no_value, budget_);
       for (std::size_t c = 0; c < corners; ++c) {
         for (std::size_t k = 0; k < old_components; ++k)
           wide[c * components + k] = attribute.values[c * old_components + k];
@@ -314,19 +348,34 @@ class GltfReader {
           std::fill_n(wide.begin() + static_cast<std::ptrdiff_t>(c * components + old_components),
                       components - old_components, 1.0);
       }
+      free_charged(attribute.values, budget_);
       attribute.values = std::move(wide);
       attribute.components = static_cast<int>(components);
     }
     return attribute;
   }
 
-  /// Adds the attribute per vertex if the corners of each vertex agree, so that there is no seam. Otherwise
-  /// returns false.
-  bool move_to_vertices(const Attribute& of_corners) {
+  /// Moves the attribute to the vertices if the corners of each vertex agree, so that there is no seam.
+  /// Otherwise returns false.
+  bool move_to_vertices(Attribute& of_corners) {
+    const auto components = static_cast<std::size_t>(of_corners.components);
+    std::vector<double> values;
+    Flags seen;
+    resize_charged(values, static_cast<std::size_t>(mesh_.vertex_count()) * components, no_value, budget_);
+    resize_charged<std::uint8_t>(seen, static_cast<std::size_t>(mesh_.vertex_count()), false, budget_);
+    const bool agree = values_per_vertex(of_corners, values, seen);
+    free_charged(seen, budget_);
+    free_charged(agree ? of_corners.values : values, budget_);
+    if (!agree) return false;
+    of_corners.domain = Domain::vertex;
+    of_corners.values = std::move(values);
+    mesh_.attributes.push_back(std::move(of_corners));
+    return true;
+  }
+
+  bool values_per_vertex(const Attribute& of_corners, std::vector<double>& values, Flags& seen) const {
     const auto components = static_cast<std::size_t>(of_corners.components);
     const std::vector<Index>& corners = mesh_.faces.corners();
-    std::vector<double> values(static_cast<std::size_t>(mesh_.vertex_count()) * components, no_value);
-    Flags seen(mesh_.vertex_count(), false);
     for (std::size_t c = 0; c < corners.size(); ++c) {
       if (corners[c] >= mesh_.vertex_count()) continue;
       const auto v = static_cast<std::size_t>(corners[c]);
@@ -338,10 +387,6 @@ class GltfReader {
       }
       seen[v] = true;
     }
-    Attribute attribute = of_corners;
-    attribute.domain = Domain::vertex;
-    attribute.values = std::move(values);
-    mesh_.attributes.push_back(std::move(attribute));
     return true;
   }
 
@@ -350,6 +395,9 @@ class GltfReader {
     Attribute object = face_attribute("object");
     material.labels = gltf_labels(view(), "materials", "material");
     object.labels = gltf_labels(view(), "nodes", "node");
+    const auto face_count = static_cast<std::size_t>(mesh_.face_count());
+    reserve_charged(material.values, face_count, budget_);
+    reserve_charged(object.values, face_count, budget_);
     bool any_material = false;
     bool any_node = false;
     for (const GltfInstance& instance : document_->instances) {
@@ -380,7 +428,11 @@ class GltfReader {
 
   const std::string& name_;
   const Context& context_;
-  MemoryBudget budget_;
+  // A node of the hash table: a position, a number, a hash, a pointer, and its share of the buckets.
+  static constexpr std::uint64_t bytes_of_entry = 80;
+  static constexpr std::size_t entries_per_charge = 1024;
+
+  MemoryBudget& budget_;
   std::shared_ptr<GltfDocument> document_;
   GltfBytes bytes_;
   Mesh mesh_;
@@ -392,8 +444,8 @@ class GltfReader {
 
 }  // namespace
 
-Mesh read_gltf(std::string content, const std::string& name, const Context& context) {
-  return GltfReader(std::move(content), name, context).read();
+Mesh read_gltf(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {
+  return GltfReader(std::move(content), name, budget, context).read();
 }
 
 }  // namespace meshgraft::io

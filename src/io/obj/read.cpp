@@ -12,6 +12,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/charged.h"
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
@@ -56,9 +57,11 @@ struct ForwardReference {
 /// Collects the labels that g, o, usemtl and s lines set for the faces after them.
 class FaceLabels {
  public:
-  FaceLabels(std::string name, bool named) : name_(std::move(name)), named_(named) {}
+  FaceLabels(std::string name, bool named, MemoryBudget& budget)
+      : name_(std::move(name)), named_(named), budget_(budget) {}
 
   void set(std::string_view label) {
+    if (!numbers_.contains(std::string(label))) budget_.charge(bytes_of(label));
     const auto [entry, is_new] = numbers_.try_emplace(std::string(label), static_cast<double>(labels_.size()));
     if (is_new) labels_.push_back(entry->first);
     current_ = entry->second;
@@ -66,8 +69,10 @@ class FaceLabels {
   void set_number(double number) { current_ = number; }
 
   /// Stores the current label of a face. Faces before the first label have none.
-  void push_face(Index face) {
+  void push_face(Index face, std::size_t expected_faces) {
     if (values_.empty() && std::isnan(current_)) return;
+    if (values_.empty()) reserve_charged(values_, expected_faces, budget_);
+    make_room(values_, static_cast<std::size_t>(face) + 1 - values_.size(), budget_);
     values_.resize(face, no_value);
     values_.push_back(current_);
   }
@@ -87,6 +92,7 @@ class FaceLabels {
  private:
   std::string name_;
   bool named_;
+  MemoryBudget& budget_;
   double current_ = no_value;
   std::vector<double> values_;
   std::vector<std::string> labels_;
@@ -96,8 +102,8 @@ class FaceLabels {
 /// Reads an OBJ file in one pass.
 class ObjReader {
  public:
-  ObjReader(std::string content, const std::string& name, const Context& context)
-      : name_(name), context_(context), document_(std::make_shared<ObjDocument>()) {
+  ObjReader(std::string content, const std::string& name, MemoryBudget& budget, const Context& context)
+      : name_(name), budget_(budget), context_(context), document_(std::make_shared<ObjDocument>()) {
     document_->content = std::move(content);
     document_->path = name;
   }
@@ -117,21 +123,58 @@ class ObjReader {
   }
 
  private:
-  /// Reserves memory for vertices and faces, which are counted first. Growing step by step takes up to half
-  /// as much again.
-  void reserve() {
+  /// The lines of each kind, and the first face.
+  struct LineCounts {
+    std::size_t vertices = 0, uvs = 0, normals = 0, faces = 0;
+    std::string_view first_face;
+  };
+
+  LineCounts count_lines() const {
     const std::string_view content = document_->content;
-    std::size_t vertices = 0, faces = 0;
+    LineCounts counts;
     for (std::size_t line = 0; line + 1 < content.size(); ++line) {
-      vertices += content[line] == 'v' && content[line + 1] == ' ';
-      faces += content[line] == 'f' && content[line + 1] == ' ';
-      line = content.find('\n', line);
-      if (line == std::string_view::npos) break;
+      const std::size_t end = std::min(content.find('\n', line), content.size());
+      const char first = content[line], second = content[line + 1];
+      if (first == 'v') {
+        counts.vertices += second == ' ';
+        counts.uvs += second == 't';
+        counts.normals += second == 'n';
+      } else if (first == 'f' && second == ' ') {
+        if (counts.faces++ == 0) counts.first_face = content.substr(line, end - line);
+      }
+      line = end;
     }
-    constexpr std::size_t most = std::numeric_limits<Index>::max() / 3;
-    vertices_.reserve(3 * std::min(vertices, most));
-    mesh_.faces.reserve(static_cast<Index>(std::min(faces, most)),
-                        static_cast<Index>(3 * std::min(faces, most)));
+    return counts;
+  }
+
+  /// Reserves memory for the lines, which are counted first. Growing step by step takes up to half as much
+  /// again. Also refuses a file whose mesh exceeds the budget if all faces are triangles like the first.
+  void reserve() {
+    LineCounts counts = count_lines();
+    constexpr std::size_t most = std::numeric_limits<Index>::max() / 4;
+    for (std::size_t* count : {&counts.vertices, &counts.uvs, &counts.normals, &counts.faces})
+      *count = std::min(*count, most);
+    ObjCursor cursor(counts.first_face);
+    ObjCorner corner;
+    std::size_t first_corners = 0;
+    if (cursor.next_line())
+      while (parse_obj_corner(cursor.next_word(), corner)) ++first_corners;
+
+    const std::size_t corners = 3 * counts.faces;
+    const std::size_t of_uvs = corner.has_uv ? 2 * sizeof(double) * corners : 0;
+    const std::size_t of_normals =
+        corner.has_normal ? (3 * sizeof(double) + sizeof(Index)) * corners + 3 * sizeof(double) * counts.normals
+                          : 0;
+    budget_.require(3 * sizeof(double) * counts.vertices + sizeof(Index) * (counts.faces + corners) + of_uvs +
+                    of_normals);
+
+    expected_vertices_ = counts.vertices;
+    expected_faces_ = counts.faces;
+    expected_corners_ = std::clamp<std::size_t>(first_corners, 3, 4) * counts.faces;
+    reserve_charged(vertices_, 3 * counts.vertices, budget_);
+    reserve_charged(mesh_.faces, counts.faces, expected_corners_, budget_);
+    reserve_charged(uvs_, 2 * counts.uvs, budget_);
+    reserve_charged(document_->normals, 3 * counts.normals, budget_);
   }
 
   void report_progress(const ObjCursor& cursor) const {
@@ -166,10 +209,14 @@ class ObjReader {
       fail(cursor, facts::io::TooMany{.elements = facts::io::Elements::vertices,
                                       .most = std::numeric_limits<Index>::max()});
     }
+    make_room(vertices_, 3, budget_);
     vertices_.insert(vertices_.end(), values.begin(), values.begin() + 3);
     // The forms "x y z w", "x y z r g b" and "x y z r g b a" are in use.
     if (count >= 6) {
-      colours_.resize(vertices_.size() / 3 * 4 - 4, no_value);
+      const std::size_t size = vertices_.size() / 3 * 4;
+      if (colours_.empty()) reserve_charged(colours_, 4 * expected_vertices_, budget_);
+      make_room(colours_, size - colours_.size(), budget_);
+      colours_.resize(size - 4, no_value);
       colours_.insert(colours_.end(), {values[3], values[4], values[5], count == 7 ? values[6] : no_value});
       has_alpha_ = has_alpha_ || count == 7;
     }
@@ -178,16 +225,16 @@ class ObjReader {
   void read_uv(ObjCursor& cursor) {
     const std::string_view u = cursor.next_word();
     if (u.empty()) fail(cursor, facts::io::MissingValue{.element = "vt", .value = "u"});
-    uvs_.push_back(number(cursor, "u", u));
+    push_charged(uvs_, number(cursor, "u", u), budget_);
     const std::string_view v = cursor.next_word();
-    uvs_.push_back(v.empty() ? 0.0 : number(cursor, "v", v));
+    push_charged(uvs_, v.empty() ? 0.0 : number(cursor, "v", v), budget_);
   }
 
   void read_normal(ObjCursor& cursor) {
     for (const char* axis : axes) {
       const std::string_view word = cursor.next_word();
       if (word.empty()) fail(cursor, facts::io::MissingValue{.element = "vn", .value = axis});
-      document_->normals.push_back(number(cursor, axis, word));
+      push_charged(document_->normals, number(cursor, axis, word), budget_);
     }
   }
 
@@ -198,7 +245,7 @@ class ObjReader {
       if (!parse_obj_corner(word, corner)) {
         fail(cursor, facts::io::BadCorner{.word = shown(word)});
       }
-      corners_.push_back(resolve(cursor, Reference::vertex, corner.vertex, vertices_.size() / 3));
+      push_charged(corners_, resolve(cursor, Reference::vertex, corner.vertex, vertices_.size() / 3), budget_);
       const Index uv = corner.has_uv ? resolve(cursor, Reference::uv, corner.uv, uvs_.size() / 2) : -1;
       const Index normal =
           corner.has_normal ? resolve(cursor, Reference::normal, corner.normal, document_->normals.size() / 3)
@@ -213,13 +260,15 @@ class ObjReader {
                                       .most = std::numeric_limits<Index>::max()});
     }
     for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_})
-      labels->push_face(mesh_.faces.size());
-    mesh_.faces.push_back(corners_);
+      labels->push_face(mesh_.faces.size(), expected_faces_);
+    push_charged(mesh_.faces, corners_, budget_);
   }
 
   /// Appends the reference of a corner. Files without uvs or normals need no memory for them.
-  void push_reference(std::vector<Index>& references, Index reference) const {
+  void push_reference(std::vector<Index>& references, Index reference) {
     if (references.empty() && reference < 0) return;
+    if (references.empty()) reserve_charged(references, expected_corners_, budget_);
+    make_room(references, corner_count_ + 1 - references.size(), budget_);
     references.resize(corner_count_, -1);
     references.push_back(reference);
   }
@@ -231,7 +280,8 @@ class ObjReader {
     if (index == 0 || index < -count || index > std::numeric_limits<Index>::max()) {
       fail_index(cursor.word_begin(), kind, index, count);
     }
-    if (index > count) forward_references_.push_back({kind, index, cursor.word_begin()});
+    if (index > count)
+      push_charged(forward_references_, ForwardReference{kind, index, cursor.word_begin()}, budget_);
     return static_cast<Index>(index > 0 ? index - 1 : count + index);
   }
 
@@ -263,12 +313,14 @@ class ObjReader {
 
   void fill_mesh() {
     const std::size_t count = vertices_.size() / 3;
+    resize_charged(mesh_.positions, count, budget_);
     mesh_.positions = Eigen::Map<const Points>(vertices_.data(), static_cast<Eigen::Index>(count), 3);
-    vertices_ = std::vector<double>();  // frees memory before the attributes take theirs
+    free_charged(vertices_, budget_);  // before the attributes take their memory
     fill_colours(count);
+    free_charged(colours_, budget_);
     fill_corners("uv", Interpolation::linear, 2, corner_uvs_, uvs_);
-    corner_uvs_ = std::vector<Index>();
-    uvs_ = std::vector<double>();
+    free_charged(corner_uvs_, budget_);
+    free_charged(uvs_, budget_);
     fill_corners("normal", Interpolation::direction, 3, document_->corner_normals, document_->normals);
     for (FaceLabels* labels : {&groups_, &objects_, &materials_, &smoothing_}) labels->move_to(mesh_);
     document_->remember_topology(mesh_);
@@ -277,11 +329,12 @@ class ObjReader {
 
   void fill_colours(std::size_t count) {
     if (colours_.empty()) return;
-    colours_.resize(4 * count, no_value);
+    resize_charged(colours_, 4 * count, no_value, budget_);
     Attribute attribute;
     attribute.name = "colour";
     attribute.components = has_alpha_ ? 4 : 3;
     attribute.type = ScalarType::float32;
+    reserve_charged(attribute.values, count * static_cast<std::size_t>(attribute.components), budget_);
     for (std::size_t v = 0; v < count; ++v) {
       const auto first = colours_.begin() + static_cast<std::ptrdiff_t>(4 * v);
       attribute.values.insert(attribute.values.end(), first, first + attribute.components);
@@ -293,14 +346,14 @@ class ObjReader {
   void fill_corners(const char* attribute_name, Interpolation interpolation, int components,
                     std::vector<Index>& references, const std::vector<double>& lines) {
     if (references.empty()) return;
-    references.resize(corner_count_, -1);
+    resize_charged(references, corner_count_, Index{-1}, budget_);
     Attribute attribute;
     attribute.name = attribute_name;
     attribute.domain = Domain::corner;
     attribute.interpolation = interpolation;
     attribute.type = ScalarType::float32;
     attribute.components = components;
-    attribute.values.assign(corner_count_ * static_cast<std::size_t>(components), no_value);
+    resize_charged(attribute.values, corner_count_ * static_cast<std::size_t>(components), no_value, budget_);
     for (std::size_t c = 0; c < corner_count_; ++c) {
       if (references[c] < 0) continue;
       const auto first = lines.begin() + static_cast<std::ptrdiff_t>(references[c]) * components;
@@ -326,6 +379,7 @@ class ObjReader {
   }
 
   const std::string& name_;
+  MemoryBudget& budget_;
   const Context& context_;
   std::shared_ptr<ObjDocument> document_;
   Mesh mesh_;
@@ -335,12 +389,13 @@ class ObjReader {
   std::vector<double> uvs_;
   std::vector<Index> corner_uvs_;
   std::size_t corner_count_ = 0;
+  std::size_t expected_vertices_ = 0, expected_faces_ = 0, expected_corners_ = 0;
   std::vector<Index> corners_;  // of the current face
   std::vector<ForwardReference> forward_references_;
-  FaceLabels groups_{"group", true};
-  FaceLabels objects_{"object", true};
-  FaceLabels materials_{"material", true};
-  FaceLabels smoothing_{"smoothing", false};
+  FaceLabels groups_{"group", true, budget_};
+  FaceLabels objects_{"object", true, budget_};
+  FaceLabels materials_{"material", true, budget_};
+  FaceLabels smoothing_{"smoothing", false, budget_};
 };
 
 }  // namespace
@@ -350,8 +405,8 @@ Format obj_format() {
   return {"OBJ", extensions, nullptr, read_obj, write_obj, files_of_materials};
 }
 
-Mesh read_obj(std::string content, const std::string& name, const Context& context) {
-  return ObjReader(std::move(content), name, context).read();
+Mesh read_obj(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {
+  return ObjReader(std::move(content), name, budget, context).read();
 }
 
 std::vector<Note> ObjDocument::beside_the_mesh() const {

@@ -8,7 +8,7 @@ namespace meshgraft::io {
 Format off_format();
 
 bool has_off_signature(std::string_view content);
-Mesh read_off(std::string content, const std::string& name, const Context& context);
+Mesh read_off(std::string content, const std::string& name, MemoryBudget& budget, const Context& context);
 Written write_off(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
                   const Context& context);
 

@@ -8,6 +8,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/charged.h"
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
@@ -64,7 +65,14 @@ Keyword parse_keyword(std::string_view text) {
 /// Collects the colours of faces, one face after another. Files without colours need no memory for them.
 class FaceColours {
  public:
+  FaceColours(Index faces, MemoryBudget& budget) : faces_(static_cast<std::size_t>(faces)), budget_(budget) {}
+
   void push(Index face, const std::array<double, 4>& colour, std::size_t count, bool whole) {
+    if (colours_.empty()) {
+      reserve_charged(colours_, 4 * faces_, budget_);
+      reserve_charged(whole_, faces_, budget_);
+      budget_.require(3 * faces_ * sizeof(double));
+    }
     colours_.resize(4 * static_cast<std::size_t>(face), no_value);
     whole_.resize(face, true);
     colours_.insert(colours_.end(), colour.begin(), colour.end());
@@ -85,19 +93,22 @@ class FaceColours {
     attribute.domain = Domain::face;
     attribute.type = *type();
     attribute.components = has_alpha_ ? 4 : 3;
-    attribute.values.reserve(static_cast<std::size_t>(mesh.face_count()) *
-                             static_cast<std::size_t>(attribute.components));
+    reserve_charged(attribute.values, faces_ * static_cast<std::size_t>(attribute.components), budget_);
     for (std::size_t f = 0; f < whole_.size(); ++f) {
       const double* colour = colours_.data() + 4 * f;
       const double divisor =
           off_colour_divisor(attribute.type, whole_[f], *std::max_element(colour, colour + 3));
       for (int k = 0; k < attribute.components; ++k) attribute.values.push_back(colour[k] / divisor);
     }
-    attribute.values.resize(static_cast<std::size_t>(mesh.face_count()) * attribute.components, no_value);
+    attribute.values.resize(faces_ * static_cast<std::size_t>(attribute.components), no_value);
     mesh.attributes.push_back(std::move(attribute));
+    free_charged(colours_, budget_);
+    free_charged(whole_, budget_);
   }
 
  private:
+  std::size_t faces_;
+  MemoryBudget& budget_;
   std::vector<double> colours_;  // red, green, blue, alpha
   Flags whole_;
   bool has_alpha_ = false;
@@ -107,8 +118,9 @@ class FaceColours {
 /// Reads an OFF file in one pass. Vertices may break across lines. The colour of a face ends with its line.
 class OffReader {
  public:
-  OffReader(std::string content, const std::string& name, const Context& context)
+  OffReader(std::string content, const std::string& name, MemoryBudget& budget, const Context& context)
       : name_(name),
+        budget_(budget),
         context_(context),
         document_(std::make_shared<OffDocument>()),
         cursor_(set_content(std::move(content)), name, WordCursor::Comments::hash) {
@@ -121,6 +133,7 @@ class OffReader {
     document_->body = cursor_.offset();
     plan_columns(keyword);
     require_room();
+    require_memory();
     read_vertices();
     read_faces();
     if (!cursor_.next().empty()) {
@@ -215,8 +228,16 @@ class OffReader {
       cursor_.fail(facts::io::TooShort{.element = "face", .count = faces_});
   }
 
+  /// Refuses counts that exceed the budget if all faces are triangles without a colour.
+  void require_memory() const {
+    std::uint64_t values = 0;
+    for (const OffColumn& column : document_->columns) values += static_cast<std::uint64_t>(column.components);
+    const auto vertices = static_cast<std::uint64_t>(vertices_), faces = static_cast<std::uint64_t>(faces_);
+    budget_.require(vertices * values * sizeof(double) + faces * 4 * sizeof(Index));
+  }
+
   void read_vertices() {
-    mesh_.positions.resize(vertices_, 3);
+    resize_charged(mesh_.positions, static_cast<std::size_t>(vertices_), budget_);
     std::vector<double*> targets{mesh_.positions.data()};
     for (const OffColumn& column : document_->columns) {
       if (column.attribute.empty()) continue;
@@ -225,8 +246,8 @@ class OffReader {
       attribute.type = ScalarType::float32;
       attribute.components = column.components;
       if (column.attribute == "normal") attribute.interpolation = Interpolation::direction;
-      attribute.values.resize(static_cast<std::size_t>(vertices_) *
-                              static_cast<std::size_t>(column.components));
+      const auto components = static_cast<std::size_t>(column.components);
+      resize_charged(attribute.values, static_cast<std::size_t>(vertices_) * components, 0.0, budget_);
       mesh_.attributes.push_back(std::move(attribute));
     }
     for (Attribute& attribute : mesh_.attributes) targets.push_back(attribute.values.data());
@@ -262,17 +283,17 @@ class OffReader {
 
   void read_faces() {
     // Most meshes consist of triangles. A wrong guess costs nothing.
-    const auto room =
-        static_cast<Index>(std::min<std::size_t>(cursor_.remaining() / 2, std::numeric_limits<Index>::max()));
-    mesh_.faces.reserve(faces_, std::min(room, faces_ > room / 3 ? room : 3 * faces_));
+    const auto faces = static_cast<std::size_t>(faces_);
+    reserve_charged(mesh_.faces, faces, std::min(cursor_.remaining() / 2, 3 * faces), budget_);
+    FaceColours colours(faces_, budget_);
     for (Index f = 0; f < faces_; ++f) {
       if (f % elements_per_check == 0) report_progress();
       read_corners(f);
-      read_colour(f);
+      read_colour(f, colours);
     }
-    document_->face_colour = colours_.type();
+    document_->face_colour = colours.type();
     document_->has_face_index = !indices_.empty();
-    colours_.move_to(mesh_);
+    colours.move_to(mesh_);
     add_indices();
   }
 
@@ -288,13 +309,13 @@ class OffReader {
       cursor_.fail(facts::io::TooMany{.elements = facts::io::Elements::corners,
                                       .most = std::numeric_limits<Index>::max()});
     }
-    corners_.resize(static_cast<std::size_t>(size));
+    resize_charged(corners_, static_cast<std::size_t>(size), Index{0}, budget_);
     for (Index& corner : corners_)
       corner = static_cast<Index>(cursor_.number(ScalarType::int32, {"face", "vertex_index", f}));
-    mesh_.faces.push_back(corners_);
+    push_charged(mesh_.faces, corners_, budget_);
   }
 
-  void read_colour(Index f) {
+  void read_colour(Index f, FaceColours& colours) {
     std::array<double, 4> values;
     values.fill(no_value);
     std::size_t size = 0;
@@ -309,6 +330,7 @@ class OffReader {
     if (size == 0) return;
     if (size == 2 || (size == 1 && !(whole && std::abs(values[0]) <= largest_index))) fail_colour(f);
     if (size == 1) {
+      reserve_charged(indices_, static_cast<std::size_t>(faces_), budget_);
       indices_.resize(f, no_value);
       indices_.push_back(values[0]);
       return;
@@ -316,7 +338,7 @@ class OffReader {
     const auto is_byte = [](double value) { return value >= 0 && value <= 255; };
     if (whole && !std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(size), is_byte))
       fail_colour(f);
-    colours_.push(f, values, size, whole);
+    colours.push(f, values, size, whole);
   }
 
   [[noreturn]] void fail_colour(Index f) const { cursor_.fail(facts::io::BadColour{.face = f}); }
@@ -339,6 +361,7 @@ class OffReader {
   }
 
   const std::string& name_;
+  MemoryBudget& budget_;
   const Context& context_;
   std::shared_ptr<OffDocument> document_;
   WordCursor cursor_;
@@ -346,7 +369,6 @@ class OffReader {
   Index vertices_ = 0;
   Index faces_ = 0;
   std::vector<Index> corners_;  // of the current face
-  FaceColours colours_;
   std::vector<double> indices_;
 };
 
@@ -370,8 +392,8 @@ double off_colour_divisor(ScalarType attribute_type, bool whole, double largest)
   return attribute_type != ScalarType::uint8 && whole && largest > 1 ? 255.0 : 1.0;
 }
 
-Mesh read_off(std::string content, const std::string& name, const Context& context) {
-  return OffReader(std::move(content), name, context).read();
+Mesh read_off(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {
+  return OffReader(std::move(content), name, budget, context).read();
 }
 
 }  // namespace meshgraft::io

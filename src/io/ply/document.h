@@ -10,6 +10,7 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/memory_budget.h"
 #include "io/facts.h"
 #include "io/file_document.h"
 
@@ -42,8 +43,8 @@ struct PlyHeader {
 };
 
 /// Parses the header. Throws Error(input) naming the line. The header's counts are checked against the size
-/// of `content`, so they can be trusted for allocation.
-PlyHeader parse_ply_header(std::string_view content, const std::string& name);
+/// of `content`, so they can be trusted for allocation. Charges what the lines become.
+PlyHeader parse_ply_header(std::string_view content, const std::string& name, MemoryBudget& budget);
 
 /// The destination of a property's values in a mesh: component `component` of an attribute. An empty name
 /// means the positions. A list property holds all components of a face's corners.

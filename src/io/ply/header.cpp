@@ -6,6 +6,7 @@
 #include <meshgraft/core/error.h>
 
 #include "document.h"
+#include "io/charged.h"
 #include "io/facts.h"
 #include "io/number_text.h"
 #include "io/word_cursor.h"
@@ -54,7 +55,8 @@ std::vector<std::string_view> split_words(std::string_view line) {
 /// end_header is already data.
 class HeaderParser {
  public:
-  HeaderParser(std::string_view content, const std::string& name) : content_(content), name_(name) {
+  HeaderParser(std::string_view content, const std::string& name, MemoryBudget& budget)
+      : content_(content), name_(name), budget_(budget) {
     if (content.starts_with(byte_order_mark)) offset_ = byte_order_mark.size();
     const std::size_t first_end = content.find_first_of("\r\n", offset_);
     if (first_end == std::string_view::npos) {
@@ -98,6 +100,8 @@ class HeaderParser {
     // The last line of a file without records may lack its line end.
     if (last && line != "end_header") fail_truncated();
     offset_ = last ? content_.size() : end + 1;
+    constexpr std::uint64_t bytes_of_line = 128;  // of the property or the comment that it becomes
+    budget_.charge(bytes_of_line + 2 * line.size());
     return line.ends_with('\r') ? line.substr(0, line.size() - 1) : line;
   }
 
@@ -194,6 +198,7 @@ class HeaderParser {
 
   std::string_view content_;
   const std::string& name_;
+  MemoryBudget& budget_;
   char line_end_ = '\n';
   std::size_t offset_ = 0;
   std::size_t line_begin_ = 0;
@@ -223,11 +228,11 @@ std::size_t PlyElement::smallest_binary_size() const {
   return size;
 }
 
-PlyHeader parse_ply_header(std::string_view content, const std::string& name) {
+PlyHeader parse_ply_header(std::string_view content, const std::string& name, MemoryBudget& budget) {
   if (!has_ply_signature(content))
     throw Error(facts::io::NotThisFormat{.format = "PLY", .beginning = "ply"},
                 Location::file(name) / Location::place("line 1"));
-  return HeaderParser(content, name).parse();
+  return HeaderParser(content, name, budget).parse();
 }
 
 bool PlyTextCursor::at_end() {

@@ -8,7 +8,7 @@ namespace meshgraft::io {
 Format ply_format();
 
 bool has_ply_signature(std::string_view content);
-Mesh read_ply(std::string content, const std::string& name, const Context& context);
+Mesh read_ply(std::string content, const std::string& name, MemoryBudget& budget, const Context& context);
 Written write_ply(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
                   const Context& context);
 

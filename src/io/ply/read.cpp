@@ -12,6 +12,7 @@
 
 #include "core/platform/memory.h"
 #include "document.h"
+#include "io/charged.h"
 #include "io/facts.h"
 #include "io/number_text.h"
 #include "ply.h"
@@ -61,15 +62,16 @@ bool has_attribute(const std::vector<Attribute>& attributes, Domain domain, std:
 /// Reads a PLY file's records into a mesh, element by element in the file's order.
 class PlyReader {
  public:
-  PlyReader(std::string content, const std::string& name, const Context& context)
-      : name_(name), context_(context), document_(std::make_shared<PlyDocument>()) {
+  PlyReader(std::string content, const std::string& name, MemoryBudget& budget, const Context& context)
+      : name_(name), budget_(budget), context_(context), document_(std::make_shared<PlyDocument>()) {
     document_->content = std::move(content);
     document_->path = name;
-    document_->header = parse_ply_header(document_->content, name);
+    document_->header = parse_ply_header(document_->content, name, budget);
   }
 
   Mesh read() {
     require_vertices();
+    require_memory();
     std::size_t offset = document_->header.size;
     const std::vector<PlyElement>& elements = document_->header.elements;
     for (std::size_t e = 0; e < elements.size(); ++e) {
@@ -81,7 +83,7 @@ class PlyReader {
       } else if (elements[e].name == "tristrips" && !has_faces()) {
         offset = read_strips(e, offset);
       } else {
-        PlySinks nothing;
+        PlySinks nothing(budget_);
         nothing.scalars.resize(elements[e].properties.size());
         offset = read_records(elements[e], offset, nothing);
       }
@@ -108,10 +110,21 @@ class PlyReader {
     }
   }
 
+  /// Refuses a file whose header announces more than the budget allows, before its first record is read.
+  void require_memory() const {
+    std::uint64_t bytes = 0;
+    for (const PlyElement& element : document_->header.elements) {
+      if (element.name != "vertex" && element.name != "face") continue;
+      const auto scalars =
+          static_cast<std::uint64_t>(std::ranges::count(element.properties, false, &PlyProperty::is_list));
+      bytes += element.count * (scalars * sizeof(double) + (element.name == "face" ? 4 * sizeof(Index) : 0));
+    }
+    budget_.require(bytes);
+  }
+
   std::size_t read_vertices(std::size_t e, std::size_t offset) {
     const PlyElement& element = document_->header.elements[e];
-    const auto count = static_cast<Eigen::Index>(element.count);
-    mesh_.positions.resize(count, 3);
+    resize_charged(mesh_.positions, element.count, budget_);
     platform::prefer_huge_pages(mesh_.positions.data(), 3 * element.count);
 
     PlyTable table{e, {}};
@@ -136,15 +149,18 @@ class PlyReader {
     sinks.corners = find_corner_list(element);
     sinks.faces = &mesh_.faces;
     // Most meshes consist of triangles. A wrong guess costs nothing.
-    const auto corners = std::min<std::uint64_t>(3 * element.count, std::numeric_limits<Index>::max());
-    mesh_.faces.reserve(static_cast<Index>(element.count), static_cast<Index>(corners));
-    platform::prefer_huge_pages(mesh_.faces.corners().data(), corners);
+    reserve_charged(mesh_.faces, element.count, 3 * element.count, budget_);
+    platform::prefer_huge_pages(mesh_.faces.corners().data(), mesh_.faces.corners().capacity());
     platform::prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       if (element.properties[p].is_list && p != sinks.corners) sinks.lists.push_back({p, {}, {}});
     }
     offset = read_records(element, offset, sinks);
-    for (PlyListValues& list : sinks.lists) bind_corner_list(element, std::move(list), table);
+    for (PlyListValues& list : sinks.lists) {
+      bind_corner_list(element, list, table);
+      free_charged(list.values, budget_);
+      free_charged(list.lengths, budget_);
+    }
     document_->tables.push_back(std::move(table));
     return offset;
   }
@@ -159,17 +175,19 @@ class PlyReader {
   /// two before it, and every second triangle is reversed. A negative index begins the next strip.
   std::size_t read_strips(std::size_t e, std::size_t offset) {
     const PlyElement& element = document_->header.elements[e];
-    PlySinks sinks;
+    PlySinks sinks(budget_);
     sinks.scalars.resize(element.properties.size());
     if (const auto strips = find_corner_list(element)) sinks.lists.push_back({*strips, {}, {}});
     offset = read_records(element, offset, sinks);
     document_->tables.push_back({e, {}});
-    for (const PlyListValues& list : sinks.lists) {
+    for (PlyListValues& list : sinks.lists) {
       auto value = list.values.begin();
       for (const std::uint32_t length : list.lengths) {
         add_strips({value, length});
         value += length;
       }
+      free_charged(list.values, budget_);
+      free_charged(list.lengths, budget_);
     }
     return offset;
   }
@@ -191,7 +209,7 @@ class PlyReader {
         throw Error(facts::io::TooMany{.elements = facts::io::Elements::corners,
                                        .most = std::numeric_limits<Index>::max()},
                     Location::file(name_));
-      mesh_.faces.push_back(face);
+      push_charged(mesh_.faces, face, budget_);
     }
   }
 
@@ -247,7 +265,8 @@ class PlyReader {
     attribute.interpolation = interpolation;
     attribute.type = element.properties[members[0]].type;
     attribute.components = static_cast<int>(members.size());
-    attribute.values.resize(element.count * members.size());
+    budget_.charge(bytes_of_label);
+    resize_charged(attribute.values, element.count * members.size(), 0.0, budget_);
     for (std::size_t k = 0; k < members.size(); ++k) {
       attribute.source_names.push_back(element.properties[members[k]].name);
       table.bindings.push_back({members[k], domain, attribute.name, static_cast<int>(k)});
@@ -257,7 +276,7 @@ class PlyReader {
 
   /// Returns pointers into the mesh for the bindings. They are valid until an attribute is added.
   PlySinks targets_of(const PlyElement& element, const PlyTable& table) {
-    PlySinks sinks;
+    PlySinks sinks(budget_);
     sinks.scalars.resize(element.properties.size());
     if (element.count == 0) return sinks;
     for (const PlyBinding& binding : table.bindings) {
@@ -276,7 +295,7 @@ class PlyReader {
 
   /// Makes a list with k values for every corner of every face a corner attribute. Faces with an empty list
   /// have no values. Other lists stay in the file only.
-  void bind_corner_list(const PlyElement& element, PlyListValues list, PlyTable& table) {
+  void bind_corner_list(const PlyElement& element, const PlyListValues& list, PlyTable& table) {
     const PlyProperty& property = element.properties[list.property];
     const std::string attribute_name = property.name == "texcoord" ? "uv" : property.name;
     if (has_attribute(mesh_.attributes, Domain::corner, attribute_name)) return;
@@ -302,8 +321,8 @@ class PlyReader {
     attribute.interpolation = is_integer(property.type) ? Interpolation::nearest : Interpolation::linear;
     if (attribute_name == "uv") attribute.interpolation = Interpolation::linear;
     if (attribute_name == "normal") attribute.interpolation = Interpolation::direction;
-    attribute.values.assign(static_cast<std::size_t>(mesh_.faces.corner_count()) * components,
-                            std::numeric_limits<double>::quiet_NaN());
+    resize_charged(attribute.values, static_cast<std::size_t>(mesh_.faces.corner_count()) * components,
+                   no_value, budget_);
     auto from = list.values.begin();
     for (Index f = 0; f < mesh_.faces.size(); ++f) {
       const auto to =
@@ -363,6 +382,7 @@ class PlyReader {
   }
 
   const std::string& name_;
+  MemoryBudget& budget_;
   const Context& context_;
   std::shared_ptr<PlyDocument> document_;
   Mesh mesh_;
@@ -402,8 +422,8 @@ std::vector<std::filesystem::path> texture_files(const PlyDocument& document) {
   return files;
 }
 
-Mesh read_ply(std::string content, const std::string& name, const Context& context) {
-  return PlyReader(std::move(content), name, context).read();
+Mesh read_ply(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {
+  return PlyReader(std::move(content), name, budget, context).read();
 }
 
 }  // namespace meshgraft::io

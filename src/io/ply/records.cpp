@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "io/binary_value.h"
+#include "io/charged.h"
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
@@ -88,10 +89,10 @@ class RecordReader {
       if (length) corners.resize(*length);
       if (!length ||
           !load_binary_corners(at + before_list + size_of(list.count_type), list.type, swap, corners)) {
-        *sinks.faces = Faces();
+        free_charged(*sinks.faces, sinks.budget);
         return std::nullopt;
       }
-      sinks.faces->push_back(corners);
+      push_charged(*sinks.faces, corners, sinks.budget);
       if (element.properties.size() > 1) read_scalars(element, at, row, *length, sinks);
       at += fixed + *length * size_of(list.type);
     }
@@ -145,14 +146,14 @@ class RecordReader {
         const std::size_t length = read_list_length(cursor, property);
         if (p == sinks.corners) {
           read_corners(cursor, property, length, corners);
-          push_face(cursor, corners, *sinks.faces);
+          push_face(cursor, corners, sinks);
         } else {
           PlyListValues* const list = list_of[p];
           for (std::size_t k = 0; k < length; ++k) {
             const double value = cursor.scalar(property, property.type);
-            if (list != nullptr) list->values.push_back(value);
+            if (list != nullptr) push_charged(list->values, value, sinks.budget);
           }
-          if (list != nullptr) list->lengths.push_back(static_cast<std::uint32_t>(length));
+          if (list != nullptr) push_charged(list->lengths, static_cast<std::uint32_t>(length), sinks.budget);
         }
       }
       cursor.end_record();
@@ -173,12 +174,12 @@ class RecordReader {
   }
 
   template <class Cursor>
-  static void push_face(Cursor& cursor, const std::vector<Index>& corners, Faces& faces) {
-    const auto room = static_cast<std::size_t>(std::numeric_limits<Index>::max() - faces.corner_count());
+  static void push_face(Cursor& cursor, const std::vector<Index>& corners, const PlySinks& sinks) {
+    const auto room = static_cast<std::size_t>(std::numeric_limits<Index>::max() - sinks.faces->corner_count());
     if (corners.size() > room)
       cursor.fail(facts::io::TooMany{.elements = facts::io::Elements::corners,
                                      .most = std::numeric_limits<Index>::max()});
-    faces.push_back(corners);
+    push_charged(*sinks.faces, corners, sinks.budget);
   }
 
   const PlyDocument& document_;

@@ -8,6 +8,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/memory_budget.h"
 #include "document.h"
 
 namespace meshgraft::io {
@@ -27,6 +28,9 @@ struct PlyListValues {
 
 /// The destinations of all values of an element.
 struct PlySinks {
+  explicit PlySinks(MemoryBudget& charged) : budget(charged) {}
+
+  MemoryBudget& budget;                ///< charged for lists and faces
   std::vector<PlyTarget> scalars;      ///< one per property
   std::vector<PlyListValues> lists;    ///< lists whose values are kept
   std::optional<std::size_t> corners;  ///< the list of vertex indices
@@ -34,7 +38,7 @@ struct PlySinks {
 };
 
 /// Reads an element's records, which begin at `offset` of the document's content. Returns the offset of their
-/// end. Throws Error(input) naming the line, or the record and the byte.
+/// end. Throws Error(input) naming the line, or the record and the byte, and Error(memory).
 std::size_t read_ply_records(const PlyDocument& document, const PlyElement& element, std::size_t offset,
                              PlySinks& sinks, const Context& context);
 

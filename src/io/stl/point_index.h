@@ -13,7 +13,9 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/memory_budget.h"
 #include "core/platform/memory.h"
+#include "io/charged.h"
 
 namespace meshgraft::io {
 
@@ -27,8 +29,9 @@ class PointIndex {
  public:
   using Point = std::array<Real, 3>;
 
-  explicit PointIndex(std::size_t expected_points) {
-    table_.reserve(std::bit_ceil(std::max<std::size_t>(2 * expected_points, 64)));
+  /// Charges the budget for the table, the points and their positions.
+  PointIndex(std::size_t expected_points, MemoryBudget& budget) : budget_(budget) {
+    reserve_charged(table_, std::bit_ceil(std::max<std::size_t>(2 * expected_points, 64)), budget_);
     platform::prefer_huge_pages(table_.data(), table_.capacity());
     table_.resize(table_.capacity(), empty);
   }
@@ -56,10 +59,12 @@ class PointIndex {
 
   /// Returns the points in the order of their numbers. Frees the memory of the index meanwhile.
   Points take() {
-    table_ = {};
-    Points positions(static_cast<Eigen::Index>(count_), 3);
+    free_charged(table_, budget_);
+    Points positions;
+    resize_charged(positions, count_, budget_);
     platform::prefer_huge_pages(positions.data(), 3 * count_);
     double* to = positions.data();
+    budget_.release((count_ + charged_size - 1) / charged_size * bytes_of_charge);
     std::size_t left = std::exchange(count_, 0);
     for (auto& points : blocks_) {
       const std::size_t size = std::min(left, block_size);
@@ -75,6 +80,9 @@ class PointIndex {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   static constexpr Index empty = -1;
   static constexpr std::size_t block_bits = 16, block_size = std::size_t{1} << block_bits;
+  // Points are charged as they fill a block, because its untouched pages take no memory.
+  static constexpr std::size_t charged_size = std::size_t{1} << 10,
+                               bytes_of_charge = charged_size * sizeof(Point);
 
   Point& point(Index number) {
     const auto n = static_cast<std::size_t>(number);
@@ -82,6 +90,12 @@ class PointIndex {
   }
 
   void push_back(const Point& value) {
+    if (count_ % charged_size == 0) {
+      budget_.charge(bytes_of_charge);
+      // The positions come when the table has gone.
+      const std::uint64_t of_positions = count_ * 3 * sizeof(double), of_table = table_.size() * sizeof(Index);
+      if (of_positions > of_table) budget_.require(of_positions - of_table);
+    }
     if (count_ % block_size == 0) blocks_.push_back(std::make_unique_for_overwrite<Point[]>(block_size));
     point(static_cast<Index>(count_++)) = value;
   }
@@ -116,7 +130,9 @@ class PointIndex {
 
   void reserve(std::size_t more) {
     if (2 * (count_ + more) <= table_.size()) return;
-    table_.assign(2 * table_.size(), empty);
+    const std::size_t size = 2 * table_.size();
+    table_.clear();
+    resize_charged(table_, size, empty, budget_);
     for (Index p = 0; p < static_cast<Index>(count_); ++p) {
       const Point& value = point(p);
       if (std::ranges::any_of(value, [](Real coordinate) { return std::isnan(coordinate); })) continue;
@@ -126,6 +142,7 @@ class PointIndex {
     }
   }
 
+  MemoryBudget& budget_;
   // The points are in blocks, so that growing copies nothing and `take` can free them one by one.
   std::vector<std::unique_ptr<Point[]>> blocks_;
   std::size_t count_ = 0;

@@ -11,6 +11,7 @@
 
 #include "core/platform/memory.h"
 #include "document.h"
+#include "io/charged.h"
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "point_index.h"
@@ -63,8 +64,8 @@ void store(char* at, Bits bits) {
 
 class StlReader {
  public:
-  StlReader(std::string content, const std::string& name, const Context& context)
-      : name_(name), context_(context), document_(std::make_shared<StlDocument>()) {
+  StlReader(std::string content, const std::string& name, MemoryBudget& budget, const Context& context)
+      : name_(name), budget_(budget), context_(context), document_(std::make_shared<StlDocument>()) {
     document_->content = std::move(content);
     document_->path = name;
   }
@@ -88,10 +89,11 @@ class StlReader {
   void read_binary() {
     const std::size_t count = load_stl_count(document_->content);
     if (count > max_facets) fail_too_large();
-    mesh_.faces.reserve(static_cast<Index>(count), static_cast<Index>(3 * count));
+    reserve_charged(mesh_.faces, count, 3 * count, budget_);
     platform::prefer_huge_pages(mesh_.faces.corners().data(), 3 * count);
     platform::prefer_huge_pages(mesh_.faces.offsets().data(), mesh_.faces.offsets().capacity());
-    PointIndex<float> points(count / 2 + 3);  // a closed surface has half as many vertices as triangles
+    PointIndex<float> points(count / 2 + 3,
+                             budget_);  // a closed surface has half as many vertices as triangles
     const char* facet = document_->content.data() + stl_layout::first_facet;
     constexpr std::size_t block = 64;
     std::array<FloatPoint, 3 * block> block_points;
@@ -118,7 +120,7 @@ class StlReader {
     for (std::size_t f = 0; f < count; ++f) {
       const std::uint16_t value = load_stl_attribute(first + f * stl_layout::facet);
       if (value == 0 && values.empty()) continue;
-      values.resize(count, 0.0);
+      resize_charged(values, count, 0.0, budget_);
       values[f] = value;
     }
     if (!values.empty()) add_face_values(std::string(stl_attribute), ScalarType::uint16, std::move(values));
@@ -126,7 +128,7 @@ class StlReader {
 
   void read_ascii() {
     StlTextCursor cursor(document_->content, name_);
-    PointIndex<double> points(0);
+    PointIndex<double> points(0, budget_);
     std::vector<double> objects;
     std::vector<std::string> names;
     std::unordered_map<std::string, double> object_of;
@@ -140,6 +142,7 @@ class StlReader {
         solids = cursor.solid_count();
         const std::string solid =
             cursor.solid_name().empty() ? "solid_" + std::to_string(solids) : cursor.solid_name();
+        if (!object_of.contains(solid)) budget_.charge(bytes_of(solid));
         const auto [entry, is_new] = object_of.try_emplace(solid, static_cast<double>(names.size()));
         if (is_new) names.push_back(solid);
         object = entry->second;
@@ -148,8 +151,8 @@ class StlReader {
       for (std::size_t k = 0; k < 9; ++k) corners[k / 3][k % 3] = facet.values[3 + k];
       std::array<Index, 3> numbers;
       points.add(corners, numbers.data());
-      mesh_.faces.push_back(numbers);
-      objects.push_back(object);
+      push_charged(mesh_.faces, numbers, budget_);
+      push_charged(objects, object, budget_);
     }
     mesh_.positions = points.take();
     if (cursor.solid_count() < 2) return;
@@ -195,6 +198,7 @@ class StlReader {
   static constexpr std::size_t max_facets = std::numeric_limits<Index>::max() / 3;
 
   const std::string& name_;
+  MemoryBudget& budget_;
   const Context& context_;
   std::shared_ptr<StlDocument> document_;
   Mesh mesh_;
@@ -229,8 +233,8 @@ void store_stl_point(char* at, const FloatPoint& point) {
 std::uint16_t load_stl_attribute(const char* at) { return load<std::uint16_t>(at); }
 void store_stl_attribute(char* at, std::uint16_t value) { store(at, value); }
 
-Mesh read_stl(std::string content, const std::string& name, const Context& context) {
-  return StlReader(std::move(content), name, context).read();
+Mesh read_stl(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {
+  return StlReader(std::move(content), name, budget, context).read();
 }
 
 }  // namespace meshgraft::io

@@ -96,7 +96,7 @@ std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::strin
   // Reads by pieces, because the size in the archive may be wrong.
   constexpr std::size_t piece = std::size_t{1} << 20;
   std::string content;
-  content.reserve(std::min<std::size_t>(entry.size, 64 * piece));
+  content.reserve(entry.size + piece);
   for (;;) {
     const std::size_t size = content.size();
     content.resize(size + piece);
@@ -121,22 +121,25 @@ zip_stat_t stat_of(zip_t* archive, zip_uint64_t index) {
 
 std::vector<PackagePart> model_parts(std::string_view package, const std::string& name,
                                      MemoryBudget& budget) try {
+  budget.charge(package.size());
   const Archive archive(package, ZIP_RDONLY);
   const auto count = static_cast<zip_uint64_t>(zip_get_num_entries(archive.get(), 0));
   std::vector<zip_stat_t> models;
+  std::uint64_t text = 0;
   for (zip_uint64_t i = 0; i < count; ++i) {
     const zip_stat_t entry = stat_of(archive.get(), i);
     require_plausible(entry, entry.name);
-    const bool is_model = ascii_lower_case(entry.name).ends_with(".model");
-    // A model's text is unpacked here and in lib3mf, and becomes a mesh of about its size.
-    constexpr zip_uint64_t copies_of_model = 3;
-    for (zip_uint64_t copy = 0; copy < (is_model ? copies_of_model : 1); ++copy) budget.charge(entry.size);
-    if (is_model) models.push_back(entry);
+    budget.charge(entry.size);
+    if (!ascii_lower_case(entry.name).ends_with(".model")) continue;
+    models.push_back(entry);
+    text += entry.size;
   }
+  budget.require(text);  // what the text becomes takes more than itself
   std::vector<PackagePart> parts;
   for (const zip_stat_t& entry : models)
     parts.push_back({entry.name, read_entry(archive.get(), entry, entry.name)});
   if (parts.empty()) throw Error(facts::threemf::NoModel{});
+  budget.release(package.size());
   return parts;
 } catch (const Error& error) {
   throw error.within(Location::file(name));

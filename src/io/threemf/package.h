@@ -16,9 +16,9 @@ struct PackagePart {
 };
 
 /// Returns the model parts (.model) of a 3MF package, in the archive's order. A package is a ZIP archive
-/// (ECMA-376, part 2). `name` is the file's, for messages. Charges the unpacked sizes of all parts. Throws
-/// Error(input) if it is no archive, holds no model, or unpacks to a suspicious size, and Error(memory) beyond
-/// the budget.
+/// (ECMA-376, part 2). `name` is the file's, for messages. Charges the unpacked sizes of all parts: models are
+/// unpacked here, others by lib3mf. Throws Error(input) if it is no archive, holds no model, or unpacks to a
+/// suspicious size, and Error(memory) beyond the budget.
 std::vector<PackagePart> model_parts(std::string_view package, const std::string& name, MemoryBudget& budget);
 
 /// Returns the package with new contents for the parts of these names. All others keep their compressed

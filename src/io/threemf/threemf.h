@@ -9,7 +9,7 @@ namespace meshgraft::io {
 /// all other content its bytes.
 Format threemf_format();
 
-Mesh read_threemf(std::string content, const std::string& name, const Context& context);
+Mesh read_threemf(std::string content, const std::string& name, MemoryBudget& budget, const Context& context);
 Written write_threemf(const Mesh& mesh, const std::filesystem::path& path, const WriteOptions& options,
                       const Context& context);
 

@@ -220,7 +220,7 @@ class ThreemfComposer {
     MemoryBudget unlimited(std::numeric_limits<std::uint64_t>::max());  // the package is our own
     std::vector<PackagePart> parts = model_parts(package, {}, unlimited);
     PackagePart& part = parts.front();
-    const std::vector<ThreemfVertices> written = scan_part(part.content, part.name).meshes;
+    const std::vector<ThreemfVertices> written = scan_part(part.content, part.name, unlimited).meshes;
     std::vector<const Points*> positions;
     for (const Points& points : positions_) positions.push_back(&points);
     part.content = rewritten(part.content, written, positions);

@@ -11,6 +11,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "io/charged.h"
 #include "io/number_text.h"
 #include "threemf/facts.h"
 
@@ -24,8 +25,11 @@ constexpr std::array<std::string_view, 3> axis_attributes = {"x", "y", "z"};
 /// returned, because they must not cross its C code.
 class PartScanner {
  public:
-  PartScanner(std::string_view xml, const std::string& location)
-      : xml_(xml), location_(location), parser_(XML_ParserCreateNS(nullptr, '|'), &XML_ParserFree) {
+  PartScanner(std::string_view xml, const std::string& location, MemoryBudget& budget)
+      : xml_(xml),
+        location_(location),
+        budget_(budget),
+        parser_(XML_ParserCreateNS(nullptr, '|'), &XML_ParserFree) {
     if (!parser_) throw std::bad_alloc();
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &start, &end);
@@ -43,6 +47,7 @@ class PartScanner {
         fail(facts::threemf::NotXml{.reason = XML_ErrorString(XML_GetErrorCode(parser_.get()))});
     }
     for (ThreemfVertices& mesh : part_.meshes) finish(mesh);
+    free_charged(coordinates_, budget_);
     return std::move(part_);
   }
 
@@ -79,16 +84,19 @@ class PartScanner {
   void start_element(std::string_view name, const XML_Char** attributes) {
     const std::string_view element = local(name);
     if (element == "vertex" && inside_vertices_) return add_vertex(attributes);
-    if (element == "mesh") part_.meshes.emplace_back();
+    if (element == "triangle") ++part_.triangles;
+    if (element == "mesh") push_charged(part_.meshes, ThreemfVertices(), budget_);
     if (element == "vertices" && !part_.meshes.empty()) inside_vertices_ = true;
     if (element == "object") object_ = value_of("id", attributes);
     if (element == "component") part_.components[object_].push_back(reference(attributes));
     if (element == "item") part_.items.push_back(reference(attributes));
   }
 
-  static ThreemfReference reference(const XML_Char** attributes) {
+  ThreemfReference reference(const XML_Char** attributes) const {
     constexpr std::string_view path = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06|path";
-    return {value_of(path, attributes), value_of("objectid", attributes)};
+    ThreemfReference found = {value_of(path, attributes), value_of("objectid", attributes)};
+    budget_.charge(bytes_of(found.path) + bytes_of(found.id));
+    return found;
   }
 
   static std::string value_of(std::string_view name, const XML_Char** attributes) {
@@ -99,10 +107,10 @@ class PartScanner {
 
   void add_vertex(const XML_Char** attributes) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-      coordinates_.push_back(coordinate(axis_attributes[axis], attributes));
+      push_charged(coordinates_, coordinate(axis_attributes[axis], attributes), budget_);
     ThreemfVertices& mesh = part_.meshes.back();
-    mesh.tag_begin.push_back(static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())));
-    mesh.tag_length.push_back(static_cast<std::size_t>(XML_GetCurrentByteCount(parser_.get())));
+    push_charged(mesh.tag_begin, static_cast<std::size_t>(XML_GetCurrentByteIndex(parser_.get())), budget_);
+    push_charged(mesh.tag_length, static_cast<std::size_t>(XML_GetCurrentByteCount(parser_.get())), budget_);
   }
 
   double coordinate(std::string_view axis, const XML_Char** attributes) const {
@@ -124,6 +132,7 @@ class PartScanner {
   // Copies the positions of the next mesh. The numbers of all meshes are collected one after another.
   void finish(ThreemfVertices& mesh) {
     const auto count = static_cast<Eigen::Index>(mesh.tag_begin.size());
+    resize_charged(mesh.positions, mesh.tag_begin.size(), budget_);
     mesh.positions = Eigen::Map<const Points>(coordinates_.data() + finished_, count, 3);
     finished_ += 3 * static_cast<std::size_t>(count);
   }
@@ -135,6 +144,7 @@ class PartScanner {
 
   std::string_view xml_;
   const std::string& location_;
+  MemoryBudget& budget_;
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, void (*)(XML_Parser)> parser_;
   ThreemfPart part_;
   std::string object_;
@@ -162,8 +172,8 @@ std::string_view value_in(std::string_view tag, std::string_view attribute) {
 
 }  // namespace
 
-ThreemfPart scan_part(std::string_view xml, const std::string& location) {
-  return PartScanner(xml, location).scan();
+ThreemfPart scan_part(std::string_view xml, const std::string& location, MemoryBudget& budget) {
+  return PartScanner(xml, location, budget).scan();
 }
 
 bool has_utf16_mark(std::string_view xml) { return xml.starts_with("\xFF\xFE") || xml.starts_with("\xFE\xFF"); }

@@ -8,6 +8,8 @@
 
 #include <meshgraft/mesh/mesh.h>
 
+#include "core/memory_budget.h"
+
 namespace meshgraft::io {
 
 /// The vertices of a mesh in a 3MF model part, and the locations of their tags.
@@ -28,12 +30,13 @@ struct ThreemfPart {
   std::vector<ThreemfVertices> meshes;                              ///< in the part's order
   std::map<std::string, std::vector<ThreemfReference>> components;  ///< per object with components, by its id
   std::vector<ThreemfReference> items;                              ///< of the build
+  std::size_t triangles = 0;                                        ///< of all meshes
 };
 
 /// Parses a part. `location` names it in messages. Throws Error(input) with the line if the text is not
 /// well-formed XML (threemf.not_xml), has a document type (threemf.has_document_type), or lacks a coordinate or
-/// has a malformed one.
-ThreemfPart scan_part(std::string_view xml, const std::string& location);
+/// has a malformed one. Charges what it returns.
+ThreemfPart scan_part(std::string_view xml, const std::string& location, MemoryBudget& budget);
 
 /// Returns whether the part begins with the mark of UTF-16. Its tags can then not be rewritten byte by byte.
 bool has_utf16_mark(std::string_view xml);
