@@ -179,9 +179,9 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
     outcome.result->report.outputs.push_back(files.picture(outcome.method).string());
 #endif
   }
-  write_file_atomically(files.json(),
-                        write_comparison(comparison, text_of));  // first: it marks the folder as ours
-  write_file_atomically(files.text(), comparison_text(comparison, files));
+  // First the file that marks the folder as ours.
+  write_file_atomically(files.json(), write_comparison(comparison, text_of), unstoppable);
+  write_file_atomically(files.text(), comparison_text(comparison, files), unstoppable);
 #ifdef MESHGRAFT_HAS_RENDER
   render::write_png(pictures.sheet, files.sheet());
   auto picture = pictures.of_methods.begin();

@@ -254,7 +254,8 @@ void run_cut(const CutArguments& arguments, Context context) {
   WrittenCut written = write_outputs(arguments, usable, result, context);
   if (!arguments.report.empty()) {
     written.files.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, dump(report_json(arguments, asked, facts, result, written)));
+    write_file_atomically(arguments.report, dump(report_json(arguments, asked, facts, result, written)),
+                          context);
   }
   if (arguments.json)
     fmt::print("{}", dump(report_json(arguments, asked, facts, result, written)));

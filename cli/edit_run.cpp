@@ -106,7 +106,7 @@ void write_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
 #endif
   if (!arguments.report.empty()) {
     report.outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, write_report(report, text_of));
+    write_file_atomically(arguments.report, write_report(report, text_of), context);
   }
 }
 

@@ -286,11 +286,11 @@ void write_outputs(const MergeArguments& arguments, const EditFile& edit, EditRe
 #endif
   if (!arguments.save_edit.empty()) {
     report.outputs.push_back(arguments.save_edit.string());
-    write_file_atomically(arguments.save_edit, write_edit(edit));
+    write_file_atomically(arguments.save_edit, write_edit(edit), context);
   }
   if (!arguments.report.empty()) {
     report.outputs.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, write_report(report, text_of));
+    write_file_atomically(arguments.report, write_report(report, text_of), context);
   }
 }
 

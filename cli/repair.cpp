@@ -179,7 +179,7 @@ void run_repair(const RepairArguments& arguments, Context context) {
   };
   if (!arguments.report.empty()) {
     written.files.push_back(arguments.report.string());
-    write_file_atomically(arguments.report, dump(true));
+    write_file_atomically(arguments.report, dump(true), context);
   }
   if (arguments.json)
     fmt::print("{}", dump(false));

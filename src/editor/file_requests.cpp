@@ -261,12 +261,12 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
   return file;
 }
 
-void Worker::save_edit(const fs::path& file) {
+void Worker::save_edit(const fs::path& file, const Context& context) {
   const fs::path folder = file.parent_path();
   const Document kept =
       with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder);
   const std::string text = write_edit(saved_form(kept, folder));
-  write_file_atomically(file, text);
+  write_file_atomically(file, text, context);
   open_one().mark_saved(file, sha256(text));
   tell_state();
 }
@@ -286,7 +286,7 @@ Json Worker::save(const json::Value& message, const Context& context) {
   Json result = {{"files", Json::array()}, {"notes", Json::array()}};
   if (!mesh.empty()) result = write_outcome(open_one(), {mesh}, context);
   if (!edit.empty()) {
-    save_edit(edit);
+    save_edit(edit, context);
     result["files"].push_back(edit.string());
   }
   note_changed_inputs(open_one().document(), result);

@@ -56,7 +56,7 @@ class Worker {
   void tell_state();
   std::filesystem::path output(const json::Object& fields, std::string_view name, bool overwrite);
   std::vector<std::filesystem::path> files_of(const json::Value& parts);
-  void save_edit(const std::filesystem::path& file);
+  void save_edit(const std::filesystem::path& file, const Context& context);
   Json selection_or(const json::Object& fields, const std::string& on);
   Json selected_on(const std::string& name);
   std::string model_name() { return open_one().stage().model->name; }

@@ -46,6 +46,12 @@ void require(const std::error_code& error, const fs::path& path, Action action) 
   if (error) fail(path, action, error);
 }
 
+/// Checks the error of a write, which a stop may have ended.
+void require_written(const std::error_code& error, const fs::path& path) {
+  if (error == std::errc::operation_canceled) throw Error(facts::core::Cancelled{});
+  require(error, path, Action::write);
+}
+
 facts::io::Special special_of(fs::file_type type) {
   if (type == fs::file_type::fifo) return facts::io::Special::pipe;
   return type == fs::file_type::socket ? facts::io::Special::socket : facts::io::Special::device;
@@ -84,8 +90,8 @@ class PendingFile::TemporaryFile {
     require(file_.copy_permissions(old), target_, Action::keep_permissions);
   }
 
-  void fill(std::string_view content) {
-    require(file_.write(content), target_, Action::write);
+  void fill(std::string_view content, const std::stop_token& stop) {
+    require_written(file_.write(content, stop), target_);
     require(file_.flush(), target_, Action::flush);
     require(file_.close(), target_, Action::write);
   }
@@ -151,9 +157,7 @@ void write_through(const fs::path& path, std::string_view content, const std::st
   File file(path, OpenMode::write, error);
   if (error == std::errc::no_such_device_or_address) throw Error(facts::io::NobodyReads{}, path);
   require(error, path, Action::open_for_writing);
-  error = file.write(content, stop);
-  if (error == std::errc::operation_canceled) throw Error(facts::core::Cancelled{});
-  require(error, path, Action::write);
+  require_written(file.write(content, stop), path);
   require(file.close(), path, Action::write);
 }
 
@@ -165,7 +169,8 @@ void write_through(const fs::path& path, std::string_view content, const std::st
 
 namespace io {
 
-PendingFile::PendingFile(const fs::path& path, std::string_view content, Existing existing)
+PendingFile::PendingFile(const fs::path& path, std::string_view content, Existing existing,
+                         const std::stop_token& stop)
     : path_(path), target_(path), existing_(existing) {
   require_name(path);
   std::error_code error;
@@ -183,7 +188,7 @@ PendingFile::PendingFile(const fs::path& path, std::string_view content, Existin
   if (exists) require(platform::check_may_write(target_), path, Action::replace);
   temporary_ = std::make_unique<TemporaryFile>(target_);
   if (exists) temporary_->keep_permissions_of(path);
-  temporary_->fill(content);
+  temporary_->fill(content, stop);
 }
 
 PendingFile::PendingFile(PendingFile&&) noexcept = default;
@@ -198,14 +203,10 @@ void PendingFile::appear(const std::stop_token& stop) {
   temporary_->replace_target();
 }
 
-void write_file(const fs::path& path, std::string_view content, Existing existing) {
-  PendingFile(path, content, existing).appear();
-}
-
 }  // namespace io
 
-void write_file_atomically(const fs::path& path, std::string_view content) {
-  io::write_file(path, content, io::Existing::replace);
+void write_file_atomically(const fs::path& path, std::string_view content, const Context& context) {
+  io::PendingFile(path, content, io::Existing::replace, context.stop_token).appear(context.stop_token);
 }
 
 fs::path follow_links(fs::path path) {

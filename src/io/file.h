@@ -7,6 +7,7 @@
 #include <string_view>
 #include <system_error>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/core/error.h>
 
 #include "core/memory_budget.h"
@@ -15,8 +16,10 @@
 namespace meshgraft {
 
 /// Writes `content` to `path` so that a reader sees either the old file or the whole new one (a temporary
-/// file beside it, flushed, then renamed). Throws Error(io), leaving no temporary file behind.
-void write_file_atomically(const std::filesystem::path& path, std::string_view content);
+/// file beside it, flushed, then renamed). Pipes and devices are written to directly. Throws Error(io), and
+/// Error(cancelled) if a stop is requested meanwhile, leaving no temporary file behind.
+void write_file_atomically(const std::filesystem::path& path, std::string_view content,
+                           const Context& context = {});
 
 /// Follows the symbolic links of a path to their end, whether or not a file exists there.
 std::filesystem::path follow_links(std::filesystem::path path);
@@ -35,21 +38,23 @@ namespace meshgraft::io {
 /// Returns the error of a failed system call: `action` is what failed.
 Error file_error(const std::filesystem::path& path, facts::io::Action action, const std::error_code& error);
 
-/// The behaviour of `write_file` if `path` exists already.
+/// The behaviour of a write if `path` exists already.
 enum class Existing { replace, refuse };
 
 /// A file that is written beside its target, flushed to the disk, and appears by a rename. Several files can
 /// thus appear only once all of them have been written. Without `appear`, the file is removed.
 class PendingFile {
  public:
-  /// Writes the temporary file. Throws Error(io). `content` must outlive this object.
-  PendingFile(const std::filesystem::path& path, std::string_view content, Existing existing);
+  /// Writes the temporary file. Throws Error(io), and Error(cancelled) if a stop is requested meanwhile.
+  /// `content` must outlive this object.
+  PendingFile(const std::filesystem::path& path, std::string_view content, Existing existing,
+              const std::stop_token& stop = {});
   PendingFile(PendingFile&&) noexcept;
   ~PendingFile();
 
   /// Renames the file to the target, or links it for `refuse`. A replaced file keeps its permissions, and a
   /// symbolic link keeps its target. Pipes and devices are written to at this point. Throws Error(io), and
-  /// Error(cancelled) if a stop is requested while a pipe or a device takes no more.
+  /// Error(cancelled) if a stop is requested before a pipe or a device has taken all.
   void appear(const std::stop_token& stop = {});
 
  private:
@@ -59,9 +64,5 @@ class PendingFile {
   std::unique_ptr<TemporaryFile> temporary_;  // null for pipes and devices
   std::string_view for_device_;
 };
-
-/// Writes `content` to `path` so that a reader sees either the old file or the whole new one. If it throws
-/// Error(io), it leaves nothing behind.
-void write_file(const std::filesystem::path& path, std::string_view content, Existing existing);
 
 }  // namespace meshgraft::io

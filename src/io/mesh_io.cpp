@@ -118,10 +118,11 @@ WriteResult write_mesh(const Mesh& mesh, const std::filesystem::path& path, cons
   // All files are written to the disk before the first one appears.
   std::vector<io::PendingFile> files;
   for (const io::NewFile& companion : written.companions) {
-    files.emplace_back(companion.path, companion.content, io::Existing::replace);
+    files.emplace_back(companion.path, companion.content, io::Existing::replace, context.stop_token);
     result.files.push_back(companion.path);
   }
-  files.emplace_back(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse);
+  files.emplace_back(path, written.content, options.overwrite ? io::Existing::replace : io::Existing::refuse,
+                     context.stop_token);
   for (io::PendingFile& file : files) file.appear(context.stop_token);
   context.step("write", 1);
   return result;

@@ -5,7 +5,9 @@
 #include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
@@ -133,6 +135,47 @@ TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
     EXPECT_EQ(WEXITSTATUS(status), 130) << command << read_text(folder_ / ".err");
     EXPECT_NE(read_text(folder_ / ".err").find("cancelled"), std::string::npos) << command;
     EXPECT_EQ(new_files(), std::vector<std::string>{"long.json"}) << command;
+  }
+}
+
+TEST_F(CommandLine, CtrlCEndsTheWriteOfAReportIntoAFullPipe) {
+  const std::filesystem::path report = folder_ / "report.json";
+  for (const std::vector<const char*>& arguments :
+       {std::vector<const char*>{"repair", "sheet.obj", "-o", "out.obj", "--report", "report.json"},
+        {"cut", "sheet.obj", "--plane", "x=3.3", "-o", "out.obj", "--report", "report.json"},
+        {"deform", "edit.json", "-o", "out.obj", "--report", "report.json"}}) {
+    ASSERT_EQ(mkfifo(report.c_str(), 0600), 0);
+    const int reader = open(report.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    ASSERT_GE(reader, 0);
+    // Each command finds the pipe full.
+    const std::string filling(std::size_t{1} << 16, 'x');
+    while (::write(reader, filling.data(), filling.size()) > 0) {
+    }
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
+      std::vector<const char*> all = {MESHGRAFT_PROGRAM};
+      all.insert(all.end(), arguments.begin(), arguments.end());
+      all.push_back(nullptr);
+      execv(MESHGRAFT_PROGRAM, const_cast<char* const*>(all.data()));
+      _exit(99);
+    }
+    // The report comes last, after the mesh.
+    for (int waits = 0; waits < 3000 && !std::filesystem::exists(folder_ / "out.obj"); ++waits)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "out.obj")) << arguments[0];
+    kill(child, SIGINT);
+    int status = 0, waits = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (++waits == 3000) kill(child, SIGKILL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    close(reader);
+    ASSERT_TRUE(WIFEXITED(status)) << arguments[0];
+    EXPECT_EQ(WEXITSTATUS(status), 130) << arguments[0] << read_text(folder_ / ".err");
+    std::filesystem::remove(folder_ / "out.obj");
+    std::filesystem::remove(report);
   }
 }
 

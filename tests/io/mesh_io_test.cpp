@@ -1,4 +1,5 @@
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -137,6 +138,40 @@ TEST(MeshIo, APipeTakesAMeshOnceSomebodyReads) {
   std::jthread interrupt([&] { stop.request_stop(); });
   expect_error([&] { pending.appear(stop.get_token()); }, "core.cancelled", {});
   ::close(reader);
+}
+
+TEST(MeshIo, AStopEndsTheWriteOfAReportIntoAFullPipe) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder / "report.json";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  const std::string report(std::size_t{1} << 20, 'x');
+  std::stop_source stop;
+  Context context;
+  context.stop_token = stop.get_token();
+  // The stop is requested when the pipe has taken something.
+  std::jthread interrupt([&] {
+    pollfd readable = {reader, POLLIN, 0};
+    ::poll(&readable, 1, 60'000);
+    stop.request_stop();
+  });
+  expect_error([&] { write_file_atomically(pipe, report, context); }, "core.cancelled", {});
+  ::close(reader);
+}
+
+TEST(MeshIo, AStopLeavesTheOldFileAndNothingElse) {
+  const TemporaryFolder folder;
+  const auto path = folder.file("edit.json", "old");
+  std::stop_source stop;
+  stop.request_stop();
+  Context context;
+  context.stop_token = stop.get_token();
+  expect_error([&] { write_file_atomically(path, "new", context); }, "core.cancelled", {});
+  expect_error([&] { io::PendingFile(path, "new", io::Existing::replace, stop.get_token()); }, "core.cancelled",
+               {});
+  EXPECT_EQ(read_file(path), "old");
+  EXPECT_EQ(folder.entry_count(), 1u);
 }
 
 TEST(MeshIo, AFileThatTakesTooMuchMemoryIsRefusedBeforeItIsRead) {

@@ -44,7 +44,7 @@ class File {
   /// Reads at most `size` bytes and returns how many; 0 at the end of the file and on an error.
   std::size_t read(char* buffer, std::size_t size, std::error_code& error);
   /// Writes all bytes, or as many as the system accepts before an error. Returns
-  /// `std::errc::operation_canceled` if a stop is requested while a pipe or a device takes no more.
+  /// `std::errc::operation_canceled` if a stop is requested before the last bytes are written.
   std::error_code write(std::string_view bytes, const std::stop_token& stop = {});
   /// Waits until all written bytes are on the disk.
   std::error_code flush();

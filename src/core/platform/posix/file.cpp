@@ -85,12 +85,12 @@ std::size_t File::read(char* buffer, std::size_t size, std::error_code& error) {
 }
 
 std::error_code File::write(std::string_view bytes, const std::stop_token& stop) {
-  constexpr std::size_t largest_piece = std::size_t{1} << 30;  // Linux moves at most 2 GiB per call
+  constexpr std::size_t largest_piece = std::size_t{1} << 24;  // a slow disk takes this in moments
   while (!bytes.empty()) {
+    if (stop.stop_requested()) return std::make_error_code(std::errc::operation_canceled);
     const ssize_t count = ::write(descriptor(handle_), bytes.data(), std::min(bytes.size(), largest_piece));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 && errno == EAGAIN) {
-      if (stop.stop_requested()) return std::make_error_code(std::errc::operation_canceled);
       constexpr int patience_ms = 50;
       pollfd writable = {descriptor(handle_), POLLOUT, 0};
       ::poll(&writable, 1, patience_ms);
