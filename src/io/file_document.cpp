@@ -37,6 +37,11 @@ std::vector<const FileDocument*> documents_of(const Mesh& mesh) {
   return documents;
 }
 
+const FileDocument* origin_of(const Mesh& mesh) {
+  const auto sources = sources_of(mesh);
+  return sources ? dynamic_cast<const FileDocument*>(sources->origin.get()) : nullptr;
+}
+
 std::vector<Note> left_out_notes(const Mesh& mesh) {
   std::vector<Note> notes;
   for (const FileDocument* document : documents_of(mesh))

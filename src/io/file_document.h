@@ -47,6 +47,10 @@ struct FileDocument : SourceDocument {
 /// Returns the files behind a mesh, each once.
 std::vector<const FileDocument*> documents_of(const Mesh& mesh);
 
+/// Returns the file that the coordinates of a mesh come from: for a graft, the target's. Returns null where
+/// they come from none, even if a part came from one.
+const FileDocument* origin_of(const Mesh& mesh);
+
 /// Returns the losses of a mesh that is composed anew: the notes of all files behind it.
 std::vector<Note> left_out_notes(const Mesh& mesh);
 

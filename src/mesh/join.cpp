@@ -274,6 +274,7 @@ class Joiner {
   void join_sources() {
     if (!first_sources_ && !second_sources_) return;
     auto joined = std::make_shared<JoinedSources>();
+    if (first_sources_) joined->origin = first_sources_->origin;
     const auto add = [&](const JoinedSources* sources) {
       if (!sources) return;
       joined->files.insert(joined->files.end(), sources->files.begin(), sources->files.end());
@@ -303,6 +304,7 @@ std::shared_ptr<const JoinedSources> sources_of(const Mesh& mesh) {
   if (!mesh.source) return nullptr;
   if (auto several = std::dynamic_pointer_cast<const JoinedSources>(mesh.source)) return several;
   auto one = std::make_shared<JoinedSources>();
+  one->origin = mesh.source;
   one->files.push_back({mesh.source, {}});
   if (const Attribute* material = mesh.find_attribute(Domain::face, "material"))
     for (const std::string& name : material->labels) one->files.front().materials.emplace_back(name, name);

@@ -19,6 +19,8 @@ struct JoinedSources : SourceDocument {
     /// Materials of the mesh from this file: the name in the file, and the name in the mesh.
     std::vector<std::pair<std::string, std::string>> materials;
   };
+  /// The file of the mesh whose coordinates these are: for a graft, the target's. Null where it came from none.
+  std::shared_ptr<const SourceDocument> origin;
   std::vector<File> files;
   std::vector<Note> notes;  ///< about names that were changed
 };

@@ -15,6 +15,7 @@
 #include "io/expect_error.h"
 #include "io/file.h"
 #include "io/temporary_folder.h"
+#include "mesh/join.h"
 #include "support/mesh_families.h"
 
 namespace meshgraft {
@@ -273,6 +274,22 @@ TEST_F(Threemf, KeepsTheUnitWhereTheFacesAreNew) {
   write_mesh(mesh, file("b.3mf"));
   EXPECT_NE(unpack(read_file(file("b.3mf"))).at("3D/3dmodel.model").find("unit=\"inch\""), std::string::npos);
   EXPECT_EQ(unit_of(read_mesh(file("b.3mf"))), "inch");
+}
+
+TEST_F(Threemf, KeepsTheUnitOfTheMeshThatAnotherIsJoinedTo) {
+  const Mesh inches = read_mesh(write(package_of(one_tetrahedron())));
+  Mesh unknown = inches;
+  unknown.source.reset();
+  write_mesh(unknown, file("millimetres.3mf"));
+  const Mesh millimetres = read_mesh(file("millimetres.3mf"));
+  const auto unit_of_joined = [&](const Mesh& first, const Mesh& second) {
+    write_mesh(join(join(first, second).mesh, second).mesh, file("joined.3mf"));
+    return unit_of(read_mesh(file("joined.3mf")));
+  };
+  EXPECT_EQ(unit_of_joined(inches, millimetres), "inch");
+  EXPECT_EQ(unit_of_joined(millimetres, inches), "millimeter");
+  EXPECT_EQ(unit_of_joined(unknown, inches), "millimeter") << "the default";
+  EXPECT_EQ(unit_of_joined(inches, unknown), "inch");
 }
 
 TEST_F(Threemf, CarriesObjectsMaterialsAndColours) {

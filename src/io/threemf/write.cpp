@@ -113,10 +113,8 @@ class ThreemfComposer {
 
  private:
   void choose_unit() {
-    for (const FileDocument* document : documents_of(mesh_))
-      if (!document->unit().empty()) model_.unit = document->unit();
-    const auto* own = dynamic_cast<const FileDocument*>(mesh_.source.get());
-    if (own != nullptr && !own->unit().empty()) model_.unit = own->unit();
+    const FileDocument* origin = origin_of(mesh_);
+    if (origin != nullptr && !origin->unit().empty()) model_.unit = origin->unit();
   }
 
   void choose_properties() {
