@@ -57,14 +57,19 @@ std::string change_of(const Json& line) {
 }
 
 // Applies a line of a journal; returns false where it is not valid.
-bool take_line(const Json& line, std::optional<JournalContent>& content) {
+bool take_line(const Json& line, const fs::path& folder, std::optional<JournalContent>& content) {
   if (!content) {
     if (line.value("format", "") != "meshgraft-session" || line.at("version") != 1) return false;
     content = JournalContent{History(line.at("document").get<std::string>())};
     return true;
   }
   History& history = content->history;
-  if (line.contains("saved")) return content->saved = true;
+  if (line.contains("saved")) {
+    if (line.contains("edit"))
+      content->saved_edit = {(folder / line.at("edit").get<std::string>()).lexically_normal(),
+                             line.at("sha256"), history.current()};
+    return content->saved = true;
+  }
   if (line.contains("undo")) {
     if (!history.can_undo()) return false;
     history.undo();
@@ -96,7 +101,7 @@ fs::path journal_of(const fs::path& model) {
   return model.parent_path() / (short_name + ".meshgraft-session");
 }
 
-std::optional<JournalContent> read_journal(std::string_view text) {
+std::optional<JournalContent> read_journal(std::string_view text, const fs::path& folder) {
   std::optional<JournalContent> content;
   std::size_t begin = 0;
   for (std::size_t end; (end = text.find('\n', begin)) != std::string_view::npos; begin = end + 1) {
@@ -104,7 +109,7 @@ std::optional<JournalContent> read_journal(std::string_view text) {
       // A line holds a document in a string, or a patch, whose values lie two levels deeper than in a document.
       const std::string_view line = text.substr(begin, end - begin);
       if (line.size() > edit_file_size_limit) break;
-      if (!take_line(json::parse(line, {}, edit_file_depth_limit + 2), content)) break;
+      if (!take_line(json::parse(line, {}, edit_file_depth_limit + 2), folder, content)) break;
     } catch (const std::exception&) {  // the lines before a damaged one count
       break;
     }
@@ -115,7 +120,7 @@ std::optional<JournalContent> read_journal(std::string_view text) {
 
 Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (!open(false)) return;
-  found_ = read_journal(read_file(path_));
+  found_ = read_journal(read_file(path_), path_.parent_path());
   if (found_ && found_->changes > 0 && !found_->saved) return;
   if (found_) require_written(file_.resize(0), path_);  // all of it is saved: it is removed with this session
   found_.reset();
@@ -186,6 +191,7 @@ void Journal::start(const std::string& first) {
   require_written(file_.resize(0), path_);
   started_ = true;
   write_line({{"format", "meshgraft-session"}, {"version", 1}, {"document", first}});
+  if (!first_saved_.is_null()) write_line(first_saved_);
 }
 
 void Journal::add(const std::string& label, const std::string& before, const std::string& after) {
@@ -203,9 +209,18 @@ void Journal::redo() {
   if (started_) write_line({{"redo", true}});
 }
 
-void Journal::mark_saved() {
-  if (!started_) return;
-  write_line({{"saved", true}});
+void Journal::mark_saved(const fs::path& edit, const std::string& sha256) {
+  Json line = {{"saved", true}};
+  if (!edit.empty()) {
+    const fs::path relative = edit.lexically_relative(stem_.parent_path());  // still right where both are moved
+    line["edit"] = relative.empty() ? edit.string() : relative.string();
+    line["sha256"] = sha256;
+  }
+  if (!started_) {
+    first_saved_ = std::move(line);
+    return;
+  }
+  write_line(line);
   saved_ = true;
 }
 

@@ -13,17 +13,25 @@
 
 namespace meshgraft::editor {
 
-/// The content of a journal: a history, and whether its current state is saved in an edit file.
+/// The edit file that a document was last saved in, and the document as it was then.
+struct SavedEdit {
+  std::filesystem::path file;
+  std::string sha256;  ///< of the file as it was written
+  std::string document;
+};
+
+/// The content of a journal: a history, and what of it is saved.
 struct JournalContent {
   History history;
-  bool saved = false;
-  std::size_t changes = 0;         ///< entries after the first document
-  std::uintmax_t valid_bytes = 0;  ///< length of the valid lines; the rest is torn or damaged
+  bool saved = false;                   ///< whether the current state needs no journal
+  std::optional<SavedEdit> saved_edit;  ///< the last one; nothing where no edit file was written
+  std::size_t changes = 0;              ///< entries after the first document
+  std::uintmax_t valid_bytes = 0;       ///< length of the valid lines; the rest is torn or damaged
 };
 
 /// Reads the lines of a journal up to the first one that is torn or invalid. Returns nothing where even the
-/// first document is missing.
-std::optional<JournalContent> read_journal(std::string_view text);
+/// first document is missing. `folder`: the journal's, which the paths of edit files are relative to.
+std::optional<JournalContent> read_journal(std::string_view text, const std::filesystem::path& folder = {});
 
 /// Returns the path of the first journal of a model or an edit file.
 std::filesystem::path journal_of(const std::filesystem::path& model);
@@ -57,7 +65,9 @@ class Journal {
   void add(const std::string& label, const std::string& before, const std::string& after);
   void undo();
   void redo();
-  void mark_saved();
+  /// Notes that the current state is saved. `edit`, `sha256`: the file that has it and its hash; empty for a
+  /// model that was opened and has no changes left.
+  void mark_saved(const std::filesystem::path& edit = {}, const std::string& sha256 = {});
 
  private:
   bool open(bool create);
@@ -67,6 +77,7 @@ class Journal {
   std::filesystem::path stem_, path_;
   platform::File file_;
   bool started_ = false, saved_ = true;
+  Json first_saved_;  ///< the line of `mark_saved` where that came before the first change; null: none
   std::optional<JournalContent> found_;
 };
 

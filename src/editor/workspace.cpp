@@ -1,6 +1,7 @@
 #include "workspace.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,9 +9,11 @@
 #include "defects.h"
 #include "editor/facts.h"
 #include "graft_actions.h"
+#include "io/file.h"
 #include "graft_messages.h"
 #include "io/file_document.h"
 #include "mesh_messages.h"
+#include "script/sha256.h"
 #include "script/fact_json.h"
 #include "script/vector_json.h"
 #include "twist.h"
@@ -235,7 +238,8 @@ void Workspace::write(Step&& step) {
 
 // Marks the journal as saved where the document equals the saved one: then there is nothing to restore.
 void Workspace::note_whether_saved() {
-  if (document_.text == saved_) write([](Journal& journal) { journal.mark_saved(); });
+  if (document_.text == saved_)
+    write([&](Journal& journal) { journal.mark_saved(source_.edit, source_.edit_sha256); });
 }
 
 void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
@@ -322,12 +326,27 @@ std::optional<Json> Workspace::offer() const {
 
 void Workspace::restore(const Context& context) {
   if (!offer()) throw Error(facts::editor::NothingToRestore{}, "restore");
-  History restored = journal_->found()->history;
+  JournalContent found = *journal_->found();
+  History restored = std::move(found.history);
   show(checked(parse_document(restored.current(), document_.edit.base_folder)), context);
   history_ = std::move(restored);
   before_set_up_.reset();
-  saved_.clear();
+  if (found.saved_edit) learn_saved(std::move(*found.saved_edit));
   write([](Journal& journal) { journal.take_up(); });
+// Takes up what the earlier session had saved. Where the edit file is no longer as it was written then, no
+// state of the document is saved.
+void Workspace::learn_saved(SavedEdit saved) {
+  saved_.clear();
+  try {
+    const fs::path file = folders_.inside(saved.file);
+    if (sha256(read_file(file)) != saved.sha256) return;
+    source_.edit = file;
+    source_.edit_sha256 = std::move(saved.sha256);
+    saved_ = std::move(saved.document);
+  } catch (const std::exception&) {  // the file is gone, or outside the folders
+  }
+}
+
 }
 
 Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_deg, const Context& context) {
@@ -374,7 +393,7 @@ void Workspace::mark_saved(const fs::path& edit, std::string edit_sha256) {
   source_.edit = edit;
   source_.edit_sha256 = std::move(edit_sha256);
   saved_ = document_.text;
-  write([](Journal& journal) { journal.mark_saved(); });
+  write([&](Journal& journal) { journal.mark_saved(source_.edit, source_.edit_sha256); });
 }
 
 fs::path Workspace::kept_upload(const fs::path& upload) {

@@ -118,6 +118,7 @@ class Workspace {
   void carry_selection();
   void note_whether_saved();
   bool show(Document next, const Context& context);
+  void learn_saved(SavedEdit saved);
   std::optional<std::size_t> set_up_origin() const;
   Json set_up_label() const;
   template <class Step>

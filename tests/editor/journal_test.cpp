@@ -162,6 +162,24 @@ TEST(Journal, KeepsWhatIsPutAside) {
   EXPECT_EQ(editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"))->changes, 1u);
 }
 
+TEST(Journal, TellsTheEditFileThatWasWrittenLast) {
+  const Recorded recorded = record();
+  const TemporaryFolder folder;
+  const auto read = [&] {
+    return *editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"), folder.path());
+  };
+  Journal journal(folder / "bar.ply");
+  journal.add("first", recorded.documents[0], recorded.documents[1]);
+  EXPECT_FALSE(read().saved_edit);
+  journal.mark_saved(folder / "edits" / "bar.json", "abc");
+  journal.add("second", recorded.documents[1], recorded.documents[2]);
+  ASSERT_TRUE(read().saved_edit);
+  EXPECT_EQ(read().saved_edit->file, folder / "edits" / "bar.json");
+  EXPECT_EQ(read().saved_edit->sha256, "abc");
+  EXPECT_EQ(read().saved_edit->document, recorded.documents[1]);
+  EXPECT_FALSE(read().saved);
+}
+
 TEST(Journal, IsRemovedWhenAllIsSaved) {
   const Recorded recorded = record();
   const TemporaryFolder folder;

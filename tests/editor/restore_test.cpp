@@ -62,6 +62,68 @@ TEST(Editor, RestoresWhatWasNotSaved) {
   EXPECT_EQ(page.refusal({{"do", "restore"}})["code"], "usage") << "all was saved";
 }
 
+TEST(Editor, KnowsAfterARestoreWhatWasSaved) {
+  for (const bool in_edit : {false, true})
+    for (const bool before_the_first_change : {false, true}) {
+      SCOPED_TRACE(in_edit);
+      SCOPED_TRACE(before_the_first_change);
+      const TemporaryFolder folder;
+      const fs::path model = bar_file(folder), edit = folder / "bar.json";
+      const RunningEditor editor({}, {model});
+      {
+        Page page(editor.url());
+        page.ask({{"do", "open"}, {"path", model.string()}});
+        if (in_edit && before_the_first_change) saved(page, edit);
+        paint_top(page);
+        if (in_edit && !before_the_first_change) saved(page, edit);
+        pose_top(page);
+      }
+      Page page(editor.url());
+      page.ask({{"do", "open"}, {"path", model.string()}});
+      page.ask({{"do", "restore"}});
+      const auto is_dirty = [&] { return page.ask({{"do", "state"}})["dirty"].get<bool>(); };
+      const bool first_is_saved = !in_edit || before_the_first_change;
+      EXPECT_TRUE(is_dirty());
+      EXPECT_EQ(page.ask({{"do", "state"}})["edit"], in_edit ? edit.string() : "");
+      page.ask({{"do", "undo"}});
+      EXPECT_EQ(is_dirty(), first_is_saved);
+      page.ask({{"do", "undo"}});
+      EXPECT_EQ(is_dirty(), !first_is_saved);
+      page.ask({{"do", "redo"}});
+      EXPECT_EQ(is_dirty(), first_is_saved);
+      if (!in_edit) continue;
+      page.ask({{"do", "save"}});
+      EXPECT_FALSE(is_dirty());
+    }
+}
+
+TEST(Editor, CallsNothingSavedWhereTheEditFileIsNoLongerTheSame) {
+  for (const bool gone : {false, true}) {
+    const TemporaryFolder folder;
+    const fs::path model = bar_file(folder), edit = folder / "bar.json";
+    const RunningEditor editor({}, {model});
+    {
+      Page page(editor.url());
+      page.ask({{"do", "open"}, {"path", model.string()}});
+      paint_top(page);
+      saved(page, edit);
+      pose_top(page);
+    }
+    if (gone)
+      fs::remove(edit);
+    else
+      (void)std::ofstream(edit, std::ios::app).put(' ');
+    Page page(editor.url());
+    page.ask({{"do", "open"}, {"path", model.string()}});
+    page.ask({{"do", "restore"}});
+    for (int undone = 0; undone < 3; ++undone) {
+      EXPECT_EQ(page.ask({{"do", "state"}})["dirty"], true) << undone;
+      if (undone < 2) page.ask({{"do", "undo"}});
+    }
+    EXPECT_EQ(page.ask({{"do", "state"}})["edit"], "");
+  }
+}
+
 TEST(Editor, LetsEachSessionHaveItsOwnJournal) {
   const TemporaryFolder folder;
   const fs::path model = bar_file(folder);

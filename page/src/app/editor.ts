@@ -12,7 +12,6 @@ import { labelOf } from "./request_labels";
 import { mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
 import { counted, unitsOfFiles } from "./units";
-import { hasUnsavedChanges } from "./unsaved";
 import type { ViewSettings } from "./view_settings";
 import {
   fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
@@ -94,14 +93,13 @@ export class Editor {
   /** Whether the document has changes that are not saved. They stay unsaved while a lost connection comes back. */
   readonly unsaved = computed(() => {
     const { value: state } = this.state;
-    return this.bringsBack.value || (state !== null && hasUnsavedChanges(state, this.wasSaved.value));
+    return this.bringsBack.value || state?.dirty === true;
   });
 
   private readonly connection: Connection;
   private lastMessage = 0;
   private setupBegan: number | undefined;
   private readonly opened = signal<OpenRequest | undefined>(undefined);
-  private readonly wasSaved = signal(false); // as an edit, since it was opened
   /** The document to reopen, with all its changes, as soon as the engine answers. */
   private reopening: { to: OpenRequest | undefined; since: string } | undefined;
   private readonly bringsBack = signal(false); // the unsaved changes of the document to reopen
@@ -216,10 +214,7 @@ export class Editor {
     const asked = this.ask(request);
     this.library.pauseFor(asked.then(() => this.viewport.modelVisible));
     const done = await asked;
-    batch(() => {
-      this.opened.value = done === undefined ? before : request;
-      if (done !== undefined) this.wasSaved.value = (this.state.value?.edit ?? "") !== "";
-    });
+    this.opened.value = done === undefined ? before : request;
     if (done === undefined) return false;
     this.dialog.value = null;
     this.dismissMessages();
@@ -374,7 +369,6 @@ export class Editor {
       case "state":
         batch(() => {
           this.state.value = event;
-          if (event.edit !== "") this.wasSaved.value = true;
           this.selected.value = event.selected;
           this.view.setFileUnit(unitsOfFiles[event.unit]);
           const active = this.tools.activeHandle;

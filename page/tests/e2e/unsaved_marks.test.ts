@@ -124,6 +124,35 @@ test("the mark is right after a lost connection and after the page was loaded ag
   }
 });
 
+test("the saved state is known after a lost connection and after the page was loaded again", async () => {
+  const marked = await Marked.open();
+  const { harness, page } = marked;
+  const edit = harness.folder.file("bar.json");
+  try {
+    await marked.change("one");
+    await page.evaluate((edit) => window.meshgraft.editor.ask({ do: "save", edit }), edit);
+    await marked.change("two");
+    await marked.loseConnection();
+    await page.getByText("The connection was lost, and is back.").waitFor();
+    await marked.expectMark(true);
+    await marked.press("Control+z");
+    await marked.expectMark(false);
+    await marked.press("Control+Shift+z");
+    await marked.expectMark(true);
+    expect(await marked.reload()).toBe(true);
+    await page.getByText("The page was loaded again.").waitFor();
+    await marked.press("Control+z");
+    await marked.expectMark(false);
+    await marked.press("Control+z");
+    await marked.expectMark(true);
+    await marked.press("Control+s"); // the engine knows the file, so it is written without a question
+    await page.getByText("Saved", { exact: true }).waitFor();
+    await marked.expectMark(false);
+  } finally {
+    await harness.close();
+  }
+});
+
 test("a model that is loaded again before any change is open again", async () => {
   const marked = await Marked.open();
   try {

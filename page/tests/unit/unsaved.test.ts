@@ -1,22 +1,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Editor } from "../../src/app/editor";
-import { hasUnsavedChanges } from "../../src/app/unsaved";
 import { ViewSettings } from "../../src/app/view_settings";
 import type { DocumentState } from "../../src/protocol";
 import type { Viewport } from "../../src/view/viewport";
-
-describe("unsaved changes", () => {
-  const state = { dirty: true, edit: "", undo: "pose" } as const;
-  it("are what the engine says", () => {
-    expect(hasUnsavedChanges(state, false)).toBe(true);
-    expect(hasUnsavedChanges({ ...state, dirty: false }, false)).toBe(false);
-    expect(hasUnsavedChanges({ ...state, edit: "/a.json", undo: null }, true)).toBe(true);
-  });
-  it("are none where nothing is left to undo in a model that was never saved as an edit", () => {
-    expect(hasUnsavedChanges({ ...state, undo: null }, false)).toBe(false);
-    expect(hasUnsavedChanges({ ...state, undo: null }, true)).toBe(true);
-  });
-});
 
 /** A socket to an engine that the test plays. */
 class FakeSocket {
@@ -121,7 +107,7 @@ describe("the mark of unsaved changes", () => {
     back.tell(changed);
     await back.answer("restore");
     expect(editor.unsaved.value).toBe(true);
-    back.tell({ ...clean, dirty: true, redo: "pose" }); // the engine does not know what is saved
+    back.tell({ ...clean, redo: "pose" });
     expect(editor.unsaved.value).toBe(false);
     back.tell(changed);
     expect(editor.unsaved.value).toBe(true);
