@@ -86,10 +86,9 @@ Json object_summary(const Object& object) {
 // Returns the unit of length that the file behind a mesh names, as 3MF spells it. Returns an empty string
 // where it names none. The first file behind a graft is the target's.
 std::string length_unit(const Mesh& mesh) {
-  const std::vector<const io::FileDocument*> documents = io::documents_of(mesh);
-  if (documents.empty()) return {};
-  if (documents.front()->format() == "glTF") return "meter";  // the unit of every glTF file
-  return documents.front()->unit();
+  const io::FileDocument* document = io::origin_of(mesh);
+  if (document == nullptr) return {};
+  return document->format() == "glTF" ? "meter" : document->unit();  // the unit of every glTF file
 }
 
 Json handle_summary(const Json& step, const Json& handle, const LiveView& view) {

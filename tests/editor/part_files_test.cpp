@@ -229,6 +229,26 @@ TEST_F(PartFiles, JournalsGoWhereNothingIsLeftToRestore) {
   open_bust_file();
   add("path", "library/head.ply");
   EXPECT_EQ(journals(), 1U);
+TEST_F(PartFiles, APartChangesNoUnit) {
+  write_mesh(make_sample("bust", 20), folder_ / "bust.glb");
+  write_mesh(make_sample("head", 18), folder_ / "head.glb");
+  const auto unit_with_part = [&](const Json& model, const Json& part) {
+    Json open = model, more = part;
+    open["do"] = "open";
+    page_.ask(open);
+    more.update({{"do", "part"}, {"what", "add"}});
+    page_.ask(more);
+    graft(Json::object());
+    page_.ask({{"do", "accept"}});
+    EXPECT_EQ(state()["steps"].size(), 2U) << "grafted";
+    return state()["unit"].get<std::string>();
+  };
+  const Json sample_head = {{"sample", "head"}, {"resolution", 18}};
+  EXPECT_EQ(unit_with_part({{"sample", "bust"}, {"resolution", 20}}, {{"path", "head.glb"}}), "");
+  EXPECT_EQ(unit_with_part({{"path", "bust.ply"}}, {{"path", "head.glb"}}), "");
+  EXPECT_EQ(unit_with_part({{"path", "bust.glb"}}, sample_head), "meter");
+}
+
   page_.ask({{"do", "undo"}});
   opened_elsewhere();
   EXPECT_EQ(journals(), 0U) << "all taken back";

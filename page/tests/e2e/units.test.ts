@@ -1,6 +1,7 @@
 import { writeFileSync } from "node:fs";
 import { zipSync, strToU8 } from "three/examples/jsm/libs/fflate.module.js";
 import { afterAll, beforeAll, expect, test } from "vitest";
+import { grafted } from "./grafting";
 import { EditorHarness, run } from "./harness";
 
 let harness: EditorHarness;
@@ -58,6 +59,24 @@ test("lengths have the unit that the file names, and none where it names none", 
     expect(scale.trim(), file).toMatch(unit === "none" ? /^[\d.]+$/ : new RegExp(`^[\\d.]+ ${unit}$`));
   }
   expect(user.complaints).toEqual([]);
+});
+
+test("a part that is grafted on changes no unit", async () => {
+  const { user, folder } = harness;
+  const { page } = user;
+  run("sample", "head", "--resolution", "30", "-o", folder.file("head.glb"));
+  await harness.openSample("bust", 30);
+  await page.evaluate(async (path) => {
+    const { graft } = window.meshgraft.editor;
+    graft.mode.value = "graft";
+    await graft.addPart({ path }, true);
+  }, folder.file("head.glb"));
+  await grafted(user);
+  await page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
+  await user.settle();
+  await statusBar().getByText(/ × [\d.]+$/).waitFor();
+  expect(await chosenUnit().inputValue()).toBe("none");
 });
 
 test("a unit is chosen for a model, and for all whose files name none", async () => {
