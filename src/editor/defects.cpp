@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 
 #include <meshgraft/io/mesh_io.h>
 
 #include "editor/facts.h"
+#include "io/file_document.h"
+#include "script/fact_json.h"
 
 namespace meshgraft::editor {
 
@@ -32,23 +36,46 @@ std::optional<Note> range_note(const Points& positions, const std::string& file)
       .file = file, .reach = reach, .size = extent, .low = smallest_shown, .high = largest_shown};
 }
 
+// Returns a note with the name that the user knows. An upload has a longer one on the disk.
+Note with_name(const Note& note, const Mesh& mesh, const std::string& name) {
+  const io::FileDocument* document = io::origin_of(mesh);
+  std::vector<FieldValue> values = note.values();
+  for (FieldValue& value : values)
+    if (auto* text = std::get_if<std::string>(&value))
+      if (document != nullptr && *text == document->path.filename().string()) *text = name;
+  return {note.type(), std::move(values)};
+}
+
 }  // namespace
 
-std::vector<Note> defect_notes(const MeshState& state, const std::filesystem::path& file) {
+std::vector<FileNote> notes_on_file(const MeshState& state, const std::filesystem::path& file) {
   const std::string name = file.filename().string();
-  if (state.mesh.face_count() == 0) return {facts::editor::NoSurface{.file = name}};
-  if (const auto note = range_note(state.mesh.positions, name)) return {*note};
-  std::vector<Note> notes = notes_on_files(state.mesh);
-  const std::size_t before_findings = notes.size();
-  for (const Finding& finding : state.diagnostics.findings)
-    if (matters(finding)) notes.push_back(finding.note);
-  if (notes.size() > before_findings)
-    notes.insert(
-        notes.begin() + static_cast<std::ptrdiff_t>(before_findings),
+  std::vector<FileNote> notes;
+  for (const Note& note : notes_on_files(state.mesh)) notes.push_back({with_name(note, state.mesh, name), {}});
+  if (state.mesh.face_count() == 0) {
+    notes.push_back({facts::editor::NoSurface{.file = name}, {}});
+  } else if (const auto range = range_note(state.mesh.positions, name)) {
+    notes.push_back({*range, {}});
+  } else {
+    FileNote defects{
         facts::editor::Defects{.file = name,
                                .path = file,
-                               .repaired = file.stem().string() + "_repaired" + file.extension().string()});
+                               .repaired = file.stem().string() + "_repaired" + file.extension().string()},
+        {}};
+    for (const Finding& finding : state.diagnostics.findings)
+      if (matters(finding)) defects.details.push_back(finding.note);
+    if (!defects.details.empty()) notes.push_back(std::move(defects));
+  }
   return notes;
+}
+
+Json file_notes_json(std::span<const FileNote> notes) {
+  Json list = Json::array();
+  for (const auto& [note, details] : notes) {
+    list.emplace_back(to_json(note));
+    if (!details.empty()) list.back()["details"] = to_json(details);
+  }
+  return list;
 }
 
 }  // namespace meshgraft::editor

@@ -1,18 +1,29 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include <meshgraft/core/error.h>
+
+#include "protocol.h"
 
 #include "script/run_steps.h"
 
 namespace meshgraft::editor {
 
-/// Returns notes on the defects of a file's mesh that matter for editing: editor.defects, with the file and the
-/// name of a repaired copy, and the findings; or editor.size_not_shown, or editor.no_surface. Returns nothing
-/// for a mesh without such defects. Boundary loops, open seams and polygons are no defects: edits work across
-/// them.
-std::vector<Note> defect_notes(const MeshState& state, const std::filesystem::path& file);
+/// A note on a file, with the notes that give its details.
+struct FileNote {
+  Note note;
+  std::vector<Note> details;
+};
+
+/// Returns notes on a file, by the name `file`: io.other_format, and on the defects of its mesh that matter for
+/// editing. These are editor.defects with the findings as its details, or editor.size_not_shown, or
+/// editor.no_surface. Boundary loops, open seams and polygons are no defects: edits work across them.
+std::vector<FileNote> notes_on_file(const MeshState& state, const std::filesystem::path& file);
+
+/// Returns the notes as the protocol has them.
+Json file_notes_json(std::span<const FileNote> notes);
 
 }  // namespace meshgraft::editor

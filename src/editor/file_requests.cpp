@@ -204,8 +204,8 @@ Json Worker::open(const json::Value& message, const Context& context) {
   }
   show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, shared_.numbers,
                                    outbox_, context));
-  const std::vector<Note> defects = workspace_->defects({}, shared_.upload_folder);
-  return {{"name", workspace_->source().name}, {"notes", to_json(defects)}};
+  const std::vector<FileNote> notes = workspace_->notes_on_inputs({}, shared_.upload_folder);
+  return {{"name", workspace_->source().name}, {"notes", file_notes_json(notes)}};
 }
 
 Json Worker::list(const json::Value& message, const Context&) {

@@ -103,7 +103,7 @@ Json Worker::part(const json::Value& message, const Context& context) {
   if (is_named) name = fields.required("name").name();
   const std::string part = add_part(document, edit, input, name, !is_named);
   Json result = change("add_part", document, context, {{"name", part}});
-  result["notes"] = to_json(open_one().defects(part, shared_.upload_folder));
+  result["notes"] = file_notes_json(open_one().notes_on_inputs(part, shared_.upload_folder));
   return result;
 }
 

@@ -6,15 +6,14 @@
 
 #include <fmt/format.h>
 
-#include "defects.h"
 #include "editor/facts.h"
 #include "graft_actions.h"
-#include "io/file.h"
 #include "graft_messages.h"
+#include "io/file.h"
 #include "io/file_document.h"
 #include "mesh_messages.h"
-#include "script/sha256.h"
 #include "script/fact_json.h"
+#include "script/sha256.h"
 #include "script/vector_json.h"
 #include "twist.h"
 
@@ -84,7 +83,7 @@ Json object_summary(const Object& object) {
 }
 
 // Returns the unit of length that the file behind a mesh names, as 3MF spells it. Returns an empty string
-// where it names none. The first file behind a graft is the target's.
+// where it names none, and for a mesh that comes from no file. The file behind a graft is the target's.
 std::string length_unit(const Mesh& mesh) {
   const io::FileDocument* document = io::origin_of(mesh);
   if (document == nullptr) return {};
@@ -332,6 +331,8 @@ void Workspace::restore(const Context& context) {
   before_set_up_.reset();
   if (found.saved_edit) learn_saved(std::move(*found.saved_edit));
   write([](Journal& journal) { journal.take_up(); });
+}
+
 // Takes up what the earlier session had saved. Where the edit file is no longer as it was written then, no
 // state of the document is saved.
 void Workspace::learn_saved(SavedEdit saved) {
@@ -344,8 +345,6 @@ void Workspace::learn_saved(SavedEdit saved) {
     saved_ = std::move(saved.document);
   } catch (const std::exception&) {  // the file is gone, or outside the folders
   }
-}
-
 }
 
 Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_deg, const Context& context) {
@@ -408,14 +407,15 @@ fs::path Workspace::kept_upload(const fs::path& upload) {
 fs::path Workspace::kept_folder() const { return journal_ ? journal_->kept_folder() : fs::path(); }
 
 // Loading found these defects; this only formats them.
-std::vector<Note> Workspace::defects(const std::string& name, const fs::path& uploads) {
-  std::vector<Note> notes;
+std::vector<FileNote> Workspace::notes_on_inputs(const std::string& name, const fs::path& uploads) {
+  std::vector<FileNote> notes;
   for (const EditInput& input : document_.edit.inputs) {
     if (input.file.empty() || (!name.empty() && input.name != name)) continue;
     const fs::path file = (document_.edit.base_folder / input.file).lexically_normal();
     const bool is_upload = file.parent_path() == uploads || file.parent_path() == kept_folder();
     const auto state = objects_.after(document_, 0, input.name, {});
-    for (const Note& note : defect_notes(*state, is_upload ? uploaded_as(file) : file)) notes.push_back(note);
+    for (FileNote& note : notes_on_file(*state, is_upload ? uploaded_as(file) : file))
+      notes.push_back(std::move(note));
   }
   return notes;
 }

@@ -8,6 +8,7 @@
 
 #include <meshgraft/core/context.h>
 
+#include "defects.h"
 #include "document_actions.h"
 #include "folders.h"
 #include "graft_view.h"
@@ -103,9 +104,9 @@ class Workspace {
   /// given. Throws Error(input) for a step that is no such graft, and for an unknown pair.
   Match twisted_start(std::size_t step, std::size_t pair, double by_deg, const Context& context);
 
-  /// Returns notes on the defects of the input `name` or, where it is empty, of all inputs. `uploads`: the
-  /// folder of files whose names are generated.
-  std::vector<Note> defects(const std::string& name, const std::filesystem::path& uploads);
+  /// Returns notes on the file of the input `name` or, where it is empty, on those of all inputs. `uploads`:
+  /// the folder of files whose names are generated.
+  std::vector<FileNote> notes_on_inputs(const std::string& name, const std::filesystem::path& uploads);
 
   /// Returns the fields of the event `state`.
   Json summary() const;
@@ -117,8 +118,8 @@ class Workspace {
   void learn_graft();
   void carry_selection();
   void note_whether_saved();
-  bool show(Document next, const Context& context);
   void learn_saved(SavedEdit saved);
+  bool show(Document next, const Context& context);
   std::optional<std::size_t> set_up_origin() const;
   Json set_up_label() const;
   template <class Step>

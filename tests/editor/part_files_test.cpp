@@ -174,7 +174,8 @@ f 3 1 2
 )");
   const Json opened = page_.ask({{"do", "open"}, {"path", "torn it.obj"}});
   std::set<std::string> found;
-  for (const Json& note : opened["notes"]) found.insert(note["id"]);
+  ASSERT_EQ(opened["notes"].size(), 1U) << "one note on one file";
+  for (const Json& note : opened["notes"][0]["details"]) found.insert(note["id"]);
   for (const char* id :
        {"mesh.non_finite", "mesh.non_manifold_edge", "mesh.isolated_vertex", "mesh.duplicate_face"})
     EXPECT_TRUE(found.contains(id)) << id << " in: " << opened["notes"];
@@ -188,6 +189,20 @@ f 3 1 2
   EXPECT_EQ(added["notes"][0]["fields"]["file"], "torn.obj");
   EXPECT_EQ(added["notes"][0]["fields"]["path"], "torn.obj");
   EXPECT_EQ(added["notes"][0]["fields"]["repaired"], "torn_repaired.obj");
+}
+
+TEST_F(PartFiles, TellsOfFilesOfAnotherFormatByTheirNames) {
+  const std::string head = read_file(folder_ / "library" / "head.ply");
+  folder_.file("scan.obj", head);
+  const Json opened = page_.ask({{"do", "open"}, {"path", "scan.obj"}})["notes"];
+  open_bust_file();
+  const Json added = add("upload", page_.upload("scan.obj", head))["notes"];
+  for (const Json& notes : {opened, added}) {
+    ASSERT_EQ(notes.size(), 1U);
+    EXPECT_EQ(notes[0]["id"], "io.other_format");
+    EXPECT_EQ(notes[0]["fields"], (Json{{"file", "scan.obj"}, {"format", "PLY"}, {"named", "OBJ"}}));
+    EXPECT_FALSE(notes[0].contains("details"));
+  }
 }
 
 TEST_F(PartFiles, UploadsKeepTheirNames) {
@@ -214,21 +229,6 @@ TEST_F(PartFiles, TellsWhichAxisStandsUp) {
   EXPECT_EQ(state()["up"], "z") << "a sample";
 }
 
-/// A session that is over leaves a journal only if there is work to restore.
-TEST_F(PartFiles, JournalsGoWhereNothingIsLeftToRestore) {
-  const auto journals = [&] {
-    std::size_t count = 0;
-    for (const auto& entry : fs::directory_iterator(folder_.path()))
-      count += entry.path().filename().string().find(".meshgraft-session") != std::string::npos ? 1 : 0;
-    return count;
-  };
-  const auto opened_elsewhere = [&] { page_.ask({{"do", "open"}, {"sample", "bar"}}); };
-  open_bust_file();
-  opened_elsewhere();
-  EXPECT_EQ(journals(), 0U) << "nothing done";
-  open_bust_file();
-  add("path", "library/head.ply");
-  EXPECT_EQ(journals(), 1U);
 TEST_F(PartFiles, APartChangesNoUnit) {
   write_mesh(make_sample("bust", 20), folder_ / "bust.glb");
   write_mesh(make_sample("head", 18), folder_ / "head.glb");
@@ -249,6 +249,21 @@ TEST_F(PartFiles, APartChangesNoUnit) {
   EXPECT_EQ(unit_with_part({{"path", "bust.glb"}}, sample_head), "meter");
 }
 
+/// A session that is over leaves a journal only if there is work to restore.
+TEST_F(PartFiles, JournalsGoWhereNothingIsLeftToRestore) {
+  const auto journals = [&] {
+    std::size_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder_.path()))
+      count += entry.path().filename().string().find(".meshgraft-session") != std::string::npos ? 1 : 0;
+    return count;
+  };
+  const auto opened_elsewhere = [&] { page_.ask({{"do", "open"}, {"sample", "bar"}}); };
+  open_bust_file();
+  opened_elsewhere();
+  EXPECT_EQ(journals(), 0U) << "nothing done";
+  open_bust_file();
+  add("path", "library/head.ply");
+  EXPECT_EQ(journals(), 1U);
   page_.ask({{"do", "undo"}});
   opened_elsewhere();
   EXPECT_EQ(journals(), 0U) << "all taken back";

@@ -1,7 +1,7 @@
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
-import type { DocumentState, EngineEvent, Id, Note, PageRequest, Pose, Poses, Vector } from "../protocol";
+import type { DocumentState, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import { Graft } from "./graft/graft";
@@ -136,7 +136,7 @@ export class Editor {
   async ask(request: PageRequest): Promise<Outcome | undefined> {
     const answer = await this.attempt(request);
     if (!("code" in answer)) {
-      if (request.do === "part") this.tellDefects(answer);
+      if (request.do === "part") this.tellOfFiles(answer);
       return answer;
     }
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
@@ -218,7 +218,7 @@ export class Editor {
     if (done === undefined) return false;
     this.dialog.value = null;
     this.dismissMessages();
-    this.tellDefects(done);
+    this.tellOfFiles(done);
     rememberOpened(request);
     return true;
   }
@@ -350,12 +350,11 @@ export class Editor {
     this.note(done, files.join("\n"), (outcome.notes ?? []).map(noteWords).join("\n"));
   }
 
-  // Reports defects of files that were opened or added as parts, each file's in one message. It has a remedy, so it
-  // stays until the user closes it.
-  private tellDefects({ notes = [] }: Outcome): void {
-    for (const [first, ...findings] of byFile(notes)) {
-      const { problem, remedy } = toldOfNote(first);
-      this.note(problem, "", [...findings.map(noteWords), remedy].join("\n"));
+  // Reports on files that were opened or added as parts. A message that has a remedy stays until the user closes it.
+  private tellOfFiles({ notes = [] }: Outcome): void {
+    for (const note of notes) {
+      const { problem, remedy } = toldOfNote(note);
+      this.note(problem, "", [...(note.details ?? []).map(noteWords), remedy].filter((line) => line !== "").join("\n"));
     }
   }
 
@@ -511,17 +510,6 @@ export class Editor {
     if (message.kind === MessageKind.mesh && message.header.role !== "part" && model !== undefined)
       this.box.value = boxOf(model);
   }
-}
-
-/** Splits the notes on opened files. Each file's begin with the editor's note; a note on the mesh follows per finding. */
-function byFile(notes: readonly Note[]): [Note, ...Note[]][] {
-  const files: [Note, ...Note[]][] = [];
-  for (const note of notes) {
-    const last = files.at(-1);
-    if (last !== undefined && note.id.startsWith("mesh.")) last.push(note);
-    else files.push([note]);
-  }
-  return files;
 }
 
 function boxOf({ box, offset }: Surface): Box {

@@ -207,6 +207,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "linalg.matrix_too_large": () => ({ remedy: smallerOrProxy }),
   "linalg.no_multifrontal_solver": () => ({ remedy: "Choose another Solver under More settings." }),
   "linalg.not_converged": () => ({
+  "io.other_format": ({ file, format, named }) => ({
+    problem: `the file ${file} holds ${format}, not ${named}`,
+    remedy: `It was opened as what it is. An export under this name is written as ${named}.`,
+  }),
+
     remedy: "Choose another Solver under More settings or a smaller region, or repair needle-like triangles.",
   }),
   "linalg.not_positive_definite": () => ({

@@ -19,6 +19,20 @@ f 1 2 5
 f 1 2 6
 `;
 
+test("a file of another format than its name says is opened, and told of by the name that the user knows", async () => {
+  harness = await EditorHarness.open({ files: { "scan.ply": ["bust", "--resolution", "30"] } });
+  const { user, folder } = harness;
+  copyFileSync(folder.file("scan.ply"), folder.file("scan.obj"));
+  await user.drop([folder.file("scan.obj")]);
+  await user.opened();
+  const told = user.page.getByRole("log", { name: "Messages" }).getByRole("status");
+  await told.waitFor();
+  expect(await told.count()).toBe(1);
+  expect(await told.locator("strong").innerText()).toBe("The file scan.obj holds PLY, not OBJ");
+  await user.screenshot("opening-other-format");
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
 test("a dropped file keeps its name, and its defects are told until that is dismissed", async () => {
   harness = await EditorHarness.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
   const { user, folder } = harness;
