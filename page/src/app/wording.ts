@@ -199,19 +199,22 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the file ${file} cannot be shown: its coordinates reach ${formatNumber(reach, 3)} and its size is ${formatNumber(size, 3)}`,
     remedy: `Scale it to sizes between ${formatNumber(low, 3)} and ${formatNumber(high, 3)}.`,
   }),
+  "editor.outside_folders": () => ({
+    remedy: "Drop the file on the window, or start the editor with its folder, too.",
+  }),
   "editor.too_many_requests": () => ({
     problem: "the engine has more to do than it can queue",
     remedy: "Wait a moment, and try again.",
   }),
 
-  "linalg.matrix_too_large": () => ({ remedy: smallerOrProxy }),
-  "linalg.no_multifrontal_solver": () => ({ remedy: "Choose another Solver under More settings." }),
-  "linalg.not_converged": () => ({
   "io.other_format": ({ file, format, named }) => ({
     problem: `the file ${file} holds ${format}, not ${named}`,
     remedy: `It was opened as what it is. An export under this name is written as ${named}.`,
   }),
 
+  "linalg.matrix_too_large": () => ({ remedy: smallerOrProxy }),
+  "linalg.no_multifrontal_solver": () => ({ remedy: "Choose another Solver under More settings." }),
+  "linalg.not_converged": () => ({
     remedy: "Choose another Solver under More settings or a smaller region, or repair needle-like triangles.",
   }),
   "linalg.not_positive_definite": () => ({

@@ -71,8 +71,8 @@ function said(row: Row, fields: Fields): string {
   return `${problem}. ${remedy}`;
 }
 
-// Facts whose words are about starting the editor, or name a command to type.
-const ofCommands = ["editor.defects", "editor.no_folder", "editor.outside_folders"];
+// Facts whose words name a command to type.
+const ofCommands = ["editor.defects"];
 const command = /\bmeshgraft (run|edit|repair|info|check|cut|merge|deform|compare|sample|convert|render|picture)\b/;
 
 describe("every fact is worded for a window with panels", () => {
