@@ -1,6 +1,9 @@
 #include <chrono>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -114,6 +117,24 @@ TEST_F(CommandLine, NeverWritesOverAnInputUnlessAsked) {
   EXPECT_NE(read_text(folder_ / "sheet.obj"), before);
 }
 
+// Waits until the process has used processor time for work, in which it catches signals, or has ended.
+void wait_until_at_work(pid_t process) {
+  const auto at_work = static_cast<std::uint64_t>(sysconf(_SC_CLK_TCK)) / 4;
+  for (;;) {
+    const std::string stat = read_text("/proc/" + std::to_string(process) + "/stat");
+    const std::size_t end_of_name = stat.rfind(')');
+    if (end_of_name == std::string::npos) return;
+    std::istringstream fields(stat.substr(end_of_name + 2));
+    std::string state, skipped;
+    std::uint64_t user = 0, system = 0;
+    fields >> state;
+    for (int field = 4; field < 14; ++field) fields >> skipped;
+    fields >> user >> system;
+    if (state == "Z" || user + system >= at_work) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+}
+
 TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
   write(
       "long.json",
@@ -127,7 +148,7 @@ TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
       execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, command, "long.json", "-o", "long.ply", nullptr);
       _exit(99);
     }
-    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    wait_until_at_work(child);
     kill(child, SIGINT);
     int status = 0;
     waitpid(child, &status, 0);

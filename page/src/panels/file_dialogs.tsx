@@ -10,7 +10,7 @@ import {
   type MeshFormat,
 } from "../app/paths";
 import { remembered } from "../app/remembered";
-import { fileToReplace, sentence, toldOf, type Told } from "../app/wording";
+import { fileToReplace, sentence, toldOf, type Failure } from "../app/wording";
 import type { PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
 import { Button } from "./ui/button";
@@ -37,12 +37,13 @@ function TargetDialog(props: TargetProps) {
   const { page, extension, start, onClose } = props;
   const [folder, setFolder] = useState(start.folder);
   const [typed, setTyped] = useState(start.name);
-  const [failure, setFailure] = useState<Told | undefined>(undefined);
+  const [failure, setFailure] = useState<Failure | undefined>(undefined);
   const [asks, setAsks] = useState(false);
   const [busy, setBusy] = useState(false);
   const listing = useListing(page, folder);
   const name = withExtension(typed.trim(), extension);
   const fault = folder === null ? "Choose a folder." : faultOfName(typed);
+  const told = failure === undefined ? undefined : toldOf(failure);
   const exists = listing?.files.some((file) => file.name === name) === true;
   const write = async (overwrite: boolean) => {
     if (fault !== undefined || folder === null) return;
@@ -53,7 +54,7 @@ function TargetDialog(props: TargetProps) {
     setBusy(false);
     setAsks(false);
     if ("code" in answer)
-      return fileToReplace(answer) !== undefined ? setAsks(true) : setFailure(toldOf(answer));
+      return fileToReplace(answer) !== undefined ? setAsks(true) : setFailure(answer);
     if (props.onDone === undefined) onClose();
     page.editor.tellFiles(props.done, answer);
     props.onDone?.();
@@ -113,9 +114,9 @@ function TargetDialog(props: TargetProps) {
         shows={(entry) => entry.name.endsWith(extension)}
       />
       {fault !== undefined && <p class="hint">{fault}</p>}
-      {failure !== undefined && (
-        <p class="failure" role="alert">
-          {sentence(failure.problem)}. {failure.remedy} {failure.location !== "" && <code>{failure.location}</code>}
+      {told !== undefined && (
+        <p class="failure" role="alert" data-fact={failure !== undefined && "id" in failure ? failure.id : undefined}>
+          {sentence(told.problem)}. {told.remedy} {told.location !== "" && <code>{told.location}</code>}
         </p>
       )}
     </Dialog>

@@ -102,7 +102,16 @@ const ctrlZ = { key: "z", ctrlKey: true };
 async function strays(user: User, far: number): Promise<void> {
   await user.settle();
   await expect.poll(() => strayed(user), { timeout: 5000 }).toBeCloseTo(far, 5);
-  await user.page.waitForTimeout(300); // a late frame must not change it again
+  // No frame of an earlier pose comes after the exact frame of the document's pose.
+  const pose = await user.page.evaluate(async () => {
+    const outcome = await window.meshgraft.editor.ask({ do: "pose", poses: {} });
+    return outcome !== undefined && "pose" in outcome ? outcome.pose : undefined;
+  });
+  await user.page.waitForFunction((last) => {
+    const { pose, accuracy } = window.meshgraft.editor.live.value;
+    return pose === last && accuracy === "exact";
+  }, pose);
+  await user.rests();
   expect(await strayed(user)).toBeCloseTo(far, 5);
 }
 
