@@ -16,9 +16,10 @@ interface Wanted {
 
 const pictureSize = 128;
 
-/** Pictures of parts. The engine makes them one after another, each once. */
+/** Pictures of parts. The engine makes them one after another, each once, and none that is no longer shown. */
 export class Library {
   private readonly pictures = new Map<string, Signal<Picture>>();
+  private readonly shown = new Map<string, number>(); // how many components show a picture, by its key
   private readonly wanted: Wanted[][] = []; // lists of pictures requested together; the last list is made first
   private together: Wanted[] | undefined;
   private readonly coming = new Map<Id, string>(); // keys of pictures by request
@@ -30,7 +31,7 @@ export class Library {
 
   /** Returns the picture, and requests it on the first call. A new `version` makes a new picture. */
   picture(of: Pictured, version = 0): Signal<Picture> {
-    const key = `${JSON.stringify(of)} ${version}`;
+    const key = keyOf(of, version);
     const known = this.pictures.get(key);
     if (known !== undefined) return known;
     const made = signal<Picture>(null);
@@ -40,6 +41,27 @@ export class Library {
     else together.push({ key, of });
     if (!this.busy) void this.work();
     return made;
+  }
+
+  /** Notes that a component shows the picture, until the returned function is called. */
+  show(of: Pictured, version = 0): () => void {
+    const key = keyOf(of, version);
+    this.shown.set(key, (this.shown.get(key) ?? 0) + 1);
+    return () => {
+      const left = (this.shown.get(key) ?? 1) - 1;
+      this.shown.set(key, left);
+      if (left === 0) this.withdraw(key);
+    };
+  }
+
+  private withdraw(key: string): void {
+    this.shown.delete(key);
+    if (this.pictures.get(key)?.value !== null) return; // made already
+    this.pictures.delete(key);
+    for (const list of this.wanted) {
+      const index = list.findIndex((wanted) => wanted.key === key);
+      if (index >= 0) list.splice(index, 1);
+    }
   }
 
   /** Pauses until `work` has ended. The picture in progress is cancelled and made again afterwards. */
@@ -93,8 +115,8 @@ export class Library {
     try {
       await answer;
     } catch {
-      if (this.paused !== undefined) this.wanted.push([wanted]);
-      else this.set(wanted.key, "none"); // no renderer in this build, or an unreadable file: an icon is shown
+      if (this.paused === undefined) this.set(wanted.key, "none"); // no renderer in this build, or an unreadable file: an icon is shown
+      else if (this.pictures.has(wanted.key)) this.wanted.push([wanted]);
     }
     this.running = undefined;
   }
@@ -103,4 +125,8 @@ export class Library {
     const known = this.pictures.get(key);
     if (known !== undefined) known.value = picture;
   }
+}
+
+function keyOf(of: Pictured, version: number): string {
+  return `${JSON.stringify(of)} ${version}`;
 }

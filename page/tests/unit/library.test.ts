@@ -32,6 +32,26 @@ class Engine {
 
 const settled = () => new Promise((resolve) => setTimeout(resolve));
 
+test("pictures that are no longer shown are not made, and are made once they are shown again", async () => {
+  const engine = new Engine();
+  const { library } = engine;
+  const samples = ["octopus", "head", "bust"];
+  for (const sample of samples) library.picture({ sample });
+  const [, hideHead, hideBust] = samples.map((sample) => library.show({ sample }));
+  const hideBustElsewhere = library.show({ sample: "bust" });
+  hideHead?.();
+  hideBust?.();
+  await settled();
+  await engine.make();
+  await engine.make();
+  expect(engine.asked).toEqual(["octopus", "bust"]);
+  hideBustElsewhere();
+  library.picture({ sample: "head" });
+  library.picture({ sample: "octopus" });
+  await settled();
+  expect(engine.asked).toEqual(["octopus", "bust", "head"]);
+});
+
 test("pictures give way to other work, and are made after it", async () => {
   const engine = new Engine();
   const first = engine.library.picture({ sample: "octopus" });

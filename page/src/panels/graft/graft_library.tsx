@@ -1,4 +1,4 @@
-import { useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import type { PartSource } from "../../app/graft/graft";
 import type { Pictured } from "../../app/library";
 import type { Page } from "../../app/page";
@@ -181,7 +181,9 @@ export function Thumbnail({
   version?: number;
   size?: number;
 }) {
-  const { value: picture } = page.editor.library.picture(of, version);
+  const { library } = page.editor;
+  const { value: picture } = library.picture(of, version);
+  useEffect(() => library.show(of, version), [JSON.stringify(of), version]);
   if (picture === null || picture === "none")
     return (
       <span
