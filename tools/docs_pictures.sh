@@ -36,7 +36,7 @@ shapes horns "0.5 -1 0.4"
 shapes dinosaur_bust "0.8 -1 0.3"
 shapes bracket_on_posts "0.5 -1 0.6"
 
-(cd page && MESHGRAFT_SCREENSHOTS=../docs/images node node_modules/vitest/vitest.mjs run tests/e2e/tour.test.ts)
+(cd page && MESHGRAFT_PIXEL_RATIO=1 MESHGRAFT_SCREENSHOTS=../docs/images node node_modules/vitest/vitest.mjs run tests/e2e/tour.test.ts)
 
 python3 tools/method_pictures.py "$program" docs/images
 python3 tools/defect_pictures.py "$program" docs/images

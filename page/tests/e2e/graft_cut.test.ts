@@ -34,10 +34,11 @@ test("a line that begins and ends off the model sets the plane, and the sides ar
     const context = copy.getContext("2d");
     context?.drawImage(image, 0, 0);
     const seen = { red: 0, blue: 0 };
-    for (let y = 0; y < image.height; y += 6)
-      for (let x = 0; x < image.width; x += 6) {
+    const scale = image.width / window.innerWidth;
+    for (let y = 0; y < window.innerHeight; y += 6)
+      for (let x = 0; x < window.innerWidth; x += 6) {
         if (window.meshgraft.viewport.pick(x, y) === undefined) continue;
-        const [r = 0, , b = 0] = context?.getImageData(x, y, 1, 1).data ?? [];
+        const [r = 0, , b = 0] = context?.getImageData(Math.floor(x * scale), Math.floor(y * scale), 1, 1).data ?? [];
         if (Math.abs(r - b) > 25) seen[r > b ? "red" : "blue"] += 1;
       }
     return seen;

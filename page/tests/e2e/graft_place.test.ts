@@ -113,7 +113,7 @@ test("drops a part from the library onto the surface", async () => {
   await user.page.mouse.move(...point, { steps: 6 });
   await user.page.waitForFunction(() => window.meshgraft.editor.graft.dragged.value?.at != null);
   await user.page.keyboard.press("r");
-  await user.page.mouse.wheel(0, 100);
+  await user.wheel(100);
   await user.page.waitForFunction(() => window.meshgraft.editor.graft.transform.value !== null);
   await user.rests();
   await user.screenshot("drop-dragged");

@@ -16,9 +16,9 @@ export async function openFresh(harness: EditorHarness, sample: string, resoluti
 }
 
 /** Returns the rest positions of a built-in model. */
-export function sampled(harness: EditorHarness, name: string): Float64Array {
+export function sampled(harness: EditorHarness, name: string, resolution?: number): Float64Array {
   const file = harness.folder.file(`${name}.obj`);
-  run("sample", name, "-o", file);
+  run("sample", name, ...(resolution === undefined ? [] : ["--resolution", String(resolution)]), "-o", file);
   return positionsOf(file);
 }
 

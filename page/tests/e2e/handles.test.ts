@@ -51,8 +51,8 @@ test("makes a nose bigger in three actions", async () => {
 
 test("bends an arm in four actions, and takes it back", async () => {
   const { user } = harness;
-  await openFresh(harness, "octopus");
-  const rest = sampled(harness, "octopus");
+  await openFresh(harness, "octopus", 60);
+  const rest = sampled(harness, "octopus", 60);
   const tip = farthest(rest, [1, -0.3, 0]);
   const at = await aimAt(user, tip);
 
@@ -89,8 +89,8 @@ test("bends an arm in four actions, and takes it back", async () => {
 
 test("turns twice round, by axis and number; escape leaves it as it was", async () => {
   const { user } = harness;
-  await openFresh(harness, "octopus");
-  const rest = sampled(harness, "octopus");
+  await openFresh(harness, "octopus", 60);
+  const rest = sampled(harness, "octopus", 60);
   const at = await user.screenOf(farthest(rest, [0, -0.2, 1]));
   await user.press("h");
   await user.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
@@ -129,8 +129,8 @@ test("turns twice round, by axis and number; escape leaves it as it was", async 
 
 test("snaps, scales one axis, and moves the pivot without moving the handle", async () => {
   const { user } = harness;
-  await openFresh(harness, "octopus");
-  const rest = sampled(harness, "octopus");
+  await openFresh(harness, "octopus", 60);
+  const rest = sampled(harness, "octopus", 60);
   const at = await user.screenOf(farthest(rest, [0, -0.2, 1]));
   await user.press("h");
   await user.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);
@@ -170,8 +170,8 @@ test("snaps, scales one axis, and moves the pivot without moving the handle", as
 
 test("drags the reach of a handle", async () => {
   const { user } = harness;
-  await openFresh(harness, "octopus");
-  const rest = sampled(harness, "octopus");
+  await openFresh(harness, "octopus", 60);
+  const rest = sampled(harness, "octopus", 60);
   const at = await user.screenOf(farthest(rest, [0, -0.2, 1]));
   await user.press("h");
   await user.stroke([[at[0], at[1] + 14], [at[0] + 10, at[1] + 26]]);

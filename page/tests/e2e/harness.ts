@@ -19,6 +19,9 @@ declare global {
 const program = resolve(process.env["MESHGRAFT_PROGRAM"] ?? "../build/release/meshgraft");
 const screenshots = resolve(process.env["MESHGRAFT_SCREENSHOTS"] ?? "../out/editor");
 const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
+// Pixels of the screen per pixel of the page, in both directions. Most of the time of these tests goes into drawing
+// without a GPU, and less than 1 changes neither the layout nor where the pointer is.
+const pixelRatio = Number(process.env["MESHGRAFT_PIXEL_RATIO"] ?? 0.5);
 
 // Runs without a display or a GPU, and without network requests of its own.
 const browserArguments = [
@@ -32,6 +35,7 @@ const browserArguments = [
   "--disable-sync",
   "--disable-quic",
   "--disable-gpu-rasterization", // which Debian turns on, and SwiftShader would do
+  "--disable-gpu-compositing", // SwiftShader would put the page together, too
 ];
 
 /** Runs the program with these arguments, and returns what it prints. Throws where it fails. */
@@ -192,6 +196,12 @@ export class User {
     await this.page.mouse.up({ button: options.button ?? "left" });
   }
 
+  /** Turns the wheel by so many pixels of the page; Chromium takes pixels of the screen. */
+  async wheel(by: number): Promise<void> {
+    ++this.actions;
+    await this.page.mouse.wheel(0, by * pixelRatio);
+  }
+
   /** Drops files of this machine on the page, as from a file manager. */
   async drop(files: readonly string[], [x, y]: Point = [500, 400]): Promise<void> {
     ++this.actions;
@@ -313,6 +323,7 @@ export class EditorHarness {
     );
     const context = await (await sharedBrowser()).newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
+      deviceScaleFactor: pixelRatio,
       colorScheme: options.dark === true ? "dark" : "light",
       reducedMotion: "reduce",
     });

@@ -31,8 +31,8 @@ function viewOf(user: User): Promise<number[]> {
 /** Opens the octopus with a handle at the tip of an arm. */
 async function openHeld(): Promise<User> {
   const { user } = harness;
-  await openFresh(harness, "octopus");
-  const at = await aimAt(user, farthest(sampled(harness, "octopus"), [1, -0.3, 0]));
+  await openFresh(harness, "octopus", 60);
+  const at = await aimAt(user, farthest(sampled(harness, "octopus", 60), [1, -0.3, 0]));
   await user.press("h");
   await user.stroke([at, [at[0] - 6, at[1] + 4]]);
   await user.page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
@@ -78,7 +78,7 @@ test("the wheel and a pinch on the trackpad leave the camera during a drag", asy
   await page.mouse.move(...beside(ball, 20, -90), { steps: 5 });
   for (const isPinch of [true, false]) {
     if (isPinch) await page.keyboard.down("Control");
-    for (const by of [-60, 90]) await page.mouse.wheel(0, by);
+    for (const by of [-60, 90]) await user.wheel(by);
     if (isPinch) await page.keyboard.up("Control");
   }
   await page.mouse.move(...beside(ball, 21, -90));
@@ -86,7 +86,7 @@ test("the wheel and a pinch on the trackpad leave the camera during a drag", asy
   await page.mouse.up();
   await user.settle();
   expect((await poseOf(user))?.translate).toBeDefined();
-  await page.mouse.wheel(0, -60);
+  await user.wheel(-60);
   await user.rests();
   expect(await viewOf(user)).not.toEqual(before);
   expect(user.complaints).toEqual([]);

@@ -80,7 +80,8 @@ async function colourAt([x, y]: Point): Promise<Colour> {
       const image = await createImageBitmap(new Blob([bytes]));
       const canvas = new OffscreenCanvas(image.width, image.height).getContext("2d");
       canvas?.drawImage(image, 0, 0);
-      const [r = 0, g = 0, b = 0] = canvas?.getImageData(Math.round(x), Math.round(y), 1, 1).data ?? [];
+      const scale = image.width / window.innerWidth;
+      const [r = 0, g = 0, b = 0] = canvas?.getImageData(Math.round(x * scale), Math.round(y * scale), 1, 1).data ?? [];
       return [r, g, b] as const;
     },
     [shot, x, y] as const,

@@ -20,7 +20,7 @@ test("a dropped part that reaches out of the view comes into it", async () => {
       return viewport.project(top).y - viewport.canvas.getBoundingClientRect().top;
     });
   await page.mouse.move(480, 400);
-  for (let i = 0; i < 12 && (await highest()) > 40; ++i) await page.mouse.wheel(0, -240).then(() => user.rests());
+  for (let i = 0; i < 12 && (await highest()) > 40; ++i) await user.wheel(-240).then(() => user.rests());
   await page.evaluate(() => window.meshgraft.editor.graft.set({ source: "head", at: { point: [0, 1, 0.8] } }));
   const report = await grafted(user);
   expect(report?.error).toBeUndefined();
