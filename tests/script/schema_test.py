@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks docs/edit-file.schema.json against the files that the parser accepts and refuses, and the examples.
+"""Checks docs/edit-file.schema.json against the files that the parser accepts and refuses, the examples and the
+scenarios.
 
     schema_test.py ROOT
 
@@ -22,7 +23,8 @@ jsonschema.Draft202012Validator.check_schema(schema)
 validator = jsonschema.Draft202012Validator(schema)
 
 corpus = root / "tests/script"
-accepted = sorted(corpus.glob("accepted/*.json")) + sorted((root / "examples").glob("*.json"))
+accepted = sorted(path for folder in (corpus / "accepted", root / "examples", root / "tests/scenarios")
+                  for path in folder.glob("*.json"))
 refused = sorted(corpus.glob("refused/*.json"))
 wrong = [f"{path}: {error.json_path}: {error.message}"
          for path in accepted for error in validator.iter_errors(json.loads(path.read_text()))]
