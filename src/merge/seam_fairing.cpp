@@ -13,7 +13,7 @@
 #include "merge/facts.h"
 #include "operators/laplacian.h"
 #include "reduce_folds.h"
-#include "tangential_relaxation.h"
+#include "seam_relaxation.h"
 
 namespace meshgraft {
 
@@ -181,11 +181,11 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
     // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it moves vertices
     // far.
     const NearStrips near(band);
-    relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);
+    relax_seam(points, band.patch, band.triangles, near.but_sharp, context);
     for (int step = 0; step < options.fairings; ++step) {
       reduce_folds(points, band.patch, options.sharp_angle_deg, near.all, context);
       fair(points, band, continued_curvature(band, Shape(band, points, context).curvature), context);
-      relax_tangentially(points, band.patch, band.triangles, near.but_sharp, context);
+      relax_seam(points, band.patch, band.triangles, near.but_sharp, context);
     }
     reduce_folds(points, band.patch, options.sharp_angle_deg, near.all, context);
   }

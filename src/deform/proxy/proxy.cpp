@@ -18,8 +18,8 @@
 #include "deform/setup/solvability.h"
 #include "operators/laplacian.h"
 #include "proxy_domain.h"
+#include "proxy_relaxation.h"
 #include "skin.h"
-#include "tangential_relaxation.h"
 
 namespace meshgraft {
 
@@ -163,7 +163,7 @@ bool ProxyDeformer::Impl::try_build(const ProxyProblem& problem, const ProxyDoma
                         : whole_surface(domain);
   constexpr int rounds = 4;  // more rounds change little
   if (target < domain.size())
-    relax_tangentially({domain.points, domain.rings, domain.holder, keep}, proxy, rounds, context);
+    relax_proxy({domain.points, domain.rings, domain.holder, keep}, proxy, rounds, context);
   summary.decimate_seconds += watch.lap();
   context.step("skin", 0);
   centre = domain.centre;

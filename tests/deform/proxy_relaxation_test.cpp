@@ -1,4 +1,4 @@
-#include "deform/proxy/tangential_relaxation.h"
+#include "deform/proxy/proxy_relaxation.h"
 
 #include <algorithm>
 #include <map>
@@ -37,7 +37,7 @@ struct RelaxationScene {
   }
   Decimated relaxed(int rounds) const {
     Decimated result = coarse;
-    relax_tangentially({mesh.positions, rings, group, locked}, result, rounds);
+    relax_proxy({mesh.positions, rings, group, locked}, result, rounds);
     return result;
   }
   Mesh surface(const Decimated& triangulation) const {
@@ -66,7 +66,7 @@ double mean_quality(const Mesh& mesh) {
   return sum / mesh.face_count();
 }
 
-TEST(ProxyTangentialRelaxation, MovesVerticesOverTheSurfaceAlone) {
+TEST(ProxyRelaxation, MovesVerticesOverTheSurfaceAlone) {
   for (const RelaxationScene& scene : relaxation_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     const Decimated result = scene.relaxed(4);
@@ -83,7 +83,7 @@ TEST(ProxyTangentialRelaxation, MovesVerticesOverTheSurfaceAlone) {
   }
 }
 
-TEST(ProxyTangentialRelaxation, KeepsLockedVerticesGroupsAndTheOutline) {
+TEST(ProxyRelaxation, KeepsLockedVerticesGroupsAndTheOutline) {
   for (const RelaxationScene& scene : relaxation_scenes()) {
     SCOPED_TRACE(scene.mesh.name);
     const Decimated result = scene.relaxed(4);
@@ -102,18 +102,18 @@ TEST(ProxyTangentialRelaxation, KeepsLockedVerticesGroupsAndTheOutline) {
   }
 }
 
-TEST(ProxyTangentialRelaxation, MakesTrianglesMoreEquilateral) {
+TEST(ProxyRelaxation, MakesTrianglesMoreEquilateral) {
   for (const RelaxationScene& scene : relaxation_scenes())
     EXPECT_GT(mean_quality(scene.surface(scene.relaxed(4))), mean_quality(scene.surface(scene.coarse)))
         << scene.mesh.name;
 }
 
-TEST(ProxyTangentialRelaxation, WithoutRoundsKeepsTheVertices) {
+TEST(ProxyRelaxation, WithoutRoundsKeepsTheVertices) {
   for (const RelaxationScene& scene : relaxation_scenes())
     EXPECT_EQ(scene.relaxed(0).vertices, scene.coarse.vertices) << scene.mesh.name;
 }
 
-TEST(ProxyTangentialRelaxation, WithEveryVertexLockedMovesNone) {
+TEST(ProxyRelaxation, WithEveryVertexLockedMovesNone) {
   for (RelaxationScene scene : relaxation_scenes()) {
     std::fill(scene.locked.begin(), scene.locked.end(), std::uint8_t{1});
     EXPECT_EQ(scene.relaxed(3).vertices, scene.coarse.vertices) << scene.mesh.name;

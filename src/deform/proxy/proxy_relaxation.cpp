@@ -1,4 +1,4 @@
-#include "tangential_relaxation.h"
+#include "proxy_relaxation.h"
 
 #include <algorithm>
 #include <numeric>
@@ -103,7 +103,7 @@ void sort_vertices(Decimated& coarse) {
 
 }  // namespace
 
-void relax_tangentially(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context) {
+void relax_proxy(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context) {
   flip_to_delaunay(places(surface, coarse.vertices), coarse.triangles);
   EvenOut state(surface, coarse);
   for (int round = 0; round < rounds; ++round) state.round(context);

@@ -22,6 +22,6 @@ struct FineSurface {
 /// Makes the triangles of a coarse triangulation more equilateral, in `rounds` rounds. Each round moves
 /// coarse vertices over the surface to the vertex nearest to the centre of their ring, and flips edges to
 /// Delaunay.
-void relax_tangentially(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context = {});
+void relax_proxy(const FineSurface& surface, Decimated& coarse, int rounds, const Context& context = {});
 
 }  // namespace meshgraft

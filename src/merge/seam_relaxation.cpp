@@ -1,4 +1,4 @@
-#include "tangential_relaxation.h"
+#include "seam_relaxation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,8 +128,8 @@ std::vector<Goal> goals_of(const Points& points, const SeamPatch& patch, const P
 
 }  // namespace
 
-void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
-                        const Flags& may_slide, const Context& context) {
+void relax_seam(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
+                const Flags& may_slide, const Context& context) {
   constexpr int most_sweeps = 50;
   const Points normals = smooth_normals(points, patch.triangles, vertex_triangles, context);
   const std::vector<Goal> goals = goals_of(points, patch, normals);

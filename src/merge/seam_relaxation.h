@@ -15,7 +15,7 @@ namespace meshgraft {
 /// accepted index: a constant; off the strips, the triangle's initial index where that is larger. Nothing
 /// moves where no triangle exceeds its bound. `vertex_triangles`: of the patch's triangles; `may_slide`: per
 /// vertex.
-void relax_tangentially(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
-                        const Flags& may_slide, const Context& context);
+void relax_seam(Points& points, const SeamPatch& patch, const IndexLists& vertex_triangles,
+                const Flags& may_slide, const Context& context);
 
 }  // namespace meshgraft

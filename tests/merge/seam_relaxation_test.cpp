@@ -1,4 +1,4 @@
-#include "merge/tangential_relaxation.h"
+#include "merge/seam_relaxation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ struct SlideScene {
   }
   Points relaxed() const {
     Points points = patch.points;
-    relax_tangentially(points, patch, triangles, may_slide, {});
+    relax_seam(points, patch, triangles, may_slide, {});
     return points;
   }
 };
@@ -72,7 +72,7 @@ Index inverted_in_plane(const SlideScene& scene, const Points& points) {
   return count;
 }
 
-TEST(SeamTangentialRelaxation, ImprovesTheShapeOfTriangles) {
+TEST(SeamRelaxation, ImprovesTheShapeOfTriangles) {
   int improved = 0;
   for (const double push : {0.3, 0.6})
     for (const SlideScene& scene : slide_scenes(push)) {
@@ -83,7 +83,7 @@ TEST(SeamTangentialRelaxation, ImprovesTheShapeOfTriangles) {
   EXPECT_GT(improved, 2);
 }
 
-TEST(SeamTangentialRelaxation, StaysInThePlaneAndTurnsInvertedTrianglesOver) {
+TEST(SeamRelaxation, StaysInThePlaneAndTurnsInvertedTrianglesOver) {
   for (const double push : {0.3, 0.5, 0.8})
     for (const SlideScene& scene : slide_scenes(push)) {
       if (scene.name != "flat ring") continue;
@@ -97,7 +97,7 @@ TEST(SeamTangentialRelaxation, StaysInThePlaneAndTurnsInvertedTrianglesOver) {
     }
 }
 
-TEST(SeamTangentialRelaxation, MovesAlongTheSurface) {
+TEST(SeamRelaxation, MovesAlongTheSurface) {
   for (const SlideScene& scene : slide_scenes(0.9)) {
     if (scene.name != "tube") continue;
     const Points points = scene.relaxed();
@@ -112,7 +112,7 @@ TEST(SeamTangentialRelaxation, MovesAlongTheSurface) {
   }
 }
 
-TEST(SeamTangentialRelaxation, MovesOnlyWhatMaySlide) {
+TEST(SeamRelaxation, MovesOnlyWhatMaySlide) {
   for (const SlideScene& scene : slide_scenes(0.6)) {
     const Points points = scene.relaxed();
     for (Index v = 0; v < static_cast<Index>(points.rows()); ++v)
@@ -122,7 +122,7 @@ TEST(SeamTangentialRelaxation, MovesOnlyWhatMaySlide) {
   }
 }
 
-TEST(SeamTangentialRelaxation, LeavesWellShapedTrianglesAlone) {
+TEST(SeamRelaxation, LeavesWellShapedTrianglesAlone) {
   for (const SlideScene& scene : slide_scenes(0)) {
     EXPECT_EQ(shape_cost(scene, scene.patch.points), 0) << scene.name;
     EXPECT_TRUE(test::same_bytes(scene.relaxed(), scene.patch.points)) << scene.name;
