@@ -1,5 +1,5 @@
 // Prints how much a deformation depends on how finely the same shape is triangulated, for every density rule,
-// treatment and weighting: `density_report`.
+// treatment and weighting: `meshgraft_density_report`.
 #include <algorithm>
 #include <cstdio>
 
