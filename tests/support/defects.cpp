@@ -376,6 +376,47 @@ Mesh with_bow_ties(const Mesh& mesh, int count, unsigned seed) {
   return with_faces(mesh, faces);
 }
 
+Mesh with_cracks(const Mesh& mesh, int patches, double width, bool apart) {
+  const Eigen::RowVector3d centre = mesh.positions.colwise().mean();
+  std::vector<Face> faces = faces_of(mesh);
+  // Per vertex and patch: its faces' mean point; its first patch keeps it.
+  std::vector<std::map<int, std::pair<Eigen::RowVector3d, int>>> at(mesh.vertex_count());
+  std::vector<int> patch;
+  for (const Face& face : faces) {
+    Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+    for (const Index v : face) middle += mesh.positions.row(v) / static_cast<double>(face.size());
+    const double turns = std::atan2(middle[1] - centre[1], middle[0] - centre[0]) / (2 * M_PI) + 0.5;
+    patch.push_back(std::min(patches - 1, static_cast<int>(turns * patches)));
+    for (const Index v : face) {
+      auto& [sum, count] = at[v].try_emplace(patch.back(), Eigen::RowVector3d::Zero(), 0).first->second;
+      sum += middle;
+      ++count;
+    }
+  }
+  Mesh result = with_faces(mesh, faces);
+  std::map<std::pair<Index, int>, Index> copies;
+  const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
+  std::vector<std::vector<Index>> run_of(mesh.vertex_count());  // per torn vertex: its run
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    if (at[v].size() < 2) continue;
+    std::set<Index> run{v};
+    for (const Index w : rings[v]) run.insert(run_of[w].begin(), run_of[w].end());
+    const bool torn = at[v].size() == 2 && run.size() <= 3;
+    if (torn)
+      for (const Index w : run) run_of[w].assign(run.begin(), run.end());
+    if (!torn && !apart) continue;
+    for (auto here = std::next(at[v].begin()); here != at[v].end(); ++here) {
+      const auto& [sum, count] = here->second;
+      const Eigen::RowVector3d p = mesh.positions.row(v);
+      copies[{v, here->first}] = add_vertex(result, torn ? p + width * (sum / count - p) : p);
+    }
+  }
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    for (Index& v : faces[f])
+      if (const auto copy = copies.find({v, patch[f]}); copy != copies.end()) v = copy->second;
+  return with_faces(result, faces);
+}
+
 Mesh with_non_finite(Mesh mesh, int count, unsigned seed) {
   int k = 0;
   for (const Index f : spread_faces(mesh, count, seed))

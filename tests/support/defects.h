@@ -39,6 +39,10 @@ Mesh with_floating_bits(const Mesh& mesh, int count, unsigned seed);
 Mesh with_repeated_faces(const Mesh& mesh, int count, unsigned seed);  ///< reverses every second copy
 Mesh with_fins(const Mesh& mesh, int count, unsigned seed);
 Mesh with_bow_ties(const Mesh& mesh, int count, unsigned seed);  ///< merges vertices near each other
+/// Divides the faces into `patches` sectors around the z axis and tears the seams between them open: runs of up
+/// to three vertices of a seam get another position in one of its two patches, `width` × the distance from its
+/// faces there. The other vertices of seams stay joined, or with `apart` become vertices at one position.
+Mesh with_cracks(const Mesh& mesh, int patches, double width, bool apart);
 Mesh with_non_finite(Mesh mesh, int count, unsigned seed);
 Mesh with_bad_indices(const Mesh& mesh, int count, unsigned seed);
 Mesh with_isolated(const Mesh& mesh, int count, unsigned seed);

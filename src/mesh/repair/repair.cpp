@@ -70,6 +70,7 @@ RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Contex
     }
     context.step("repair", static_cast<double>(round) / most_rounds);
     if (mend(surface, options)) continue;
+    if (options.hole_edges != 0 && fill_cracks(surface, options)) continue;
     if (options.remove_debris && remove_debris(surface, options.debris_rel)) continue;
     if (options.unify_winding && unify_winding(surface)) continue;
     if (options.hole_edges != 0 && fill_holes(surface, options)) continue;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -10,6 +12,7 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "hole_boundary.h"
 #include "hole_refinement.h"
 #include "hole_triangulation.h"
 #include "mesh/face_defects.h"
@@ -21,13 +24,13 @@ namespace meshgraft {
 namespace {
 
 constexpr Index default_edges = 24;
-constexpr double default_area_rel = 0.005;  // of the component: larger openings are taken as intended
+constexpr double default_area_rel = 0.005;  // of the components around: larger openings are taken as intended
 
 // A loop and the half-edges along it, in the direction of the faces that will close it.
 struct Hole {
   std::vector<Index> vertices;
   std::vector<Index> outside;  // the half-edge of the surface from vertices[k+1] to vertices[k]
-  /// Copies of the hole's vertices, made where another hole touches it, with the index of the copied vertex.
+  /// Other vertices at the positions of the hole's, where other holes touch it, with the index of the position.
   std::vector<std::pair<Index, Index>> copies;
 
   std::map<Index, Index> index_of_vertices() const {
@@ -38,9 +41,6 @@ struct Hole {
   }
 };
 
-// Holes that are filled together or not at all: one, or several that touch each other in vertices.
-using TouchingHoles = std::vector<Hole>;
-
 double fan_area(const Points& positions, const std::vector<Index>& loop) {
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   for (const Index v : loop) centre += positions.row(v) / static_cast<double>(loop.size());
@@ -49,28 +49,6 @@ double fan_area(const Points& positions, const std::vector<Index>& loop) {
     area +=
         (positions.row(loop[k]) - centre).cross(positions.row(loop[(k + 1) % loop.size()]) - centre).norm() / 2;
   return area;
-}
-
-// Splits a loop where holes touch. Copies of the vertex at which the holes touch had joined them into one
-// loop. Each result passes each vertex, or its copies, once. Loops are lists of half-edges along the
-// boundary.
-std::vector<std::vector<Index>> split_at_copies(const RepairSurface& surface, const std::vector<Index>& loop) {
-  const std::vector<Index>& corners = surface.faces().corners();
-  std::vector<std::vector<Index>> loops;
-  std::vector<Index> rest;
-  for (const Index half_edge : loop) {
-    const auto origin_of = [&](Index c) { return surface.vertex_origin(corners[c]); };
-    const Index origin = origin_of(half_edge);
-    const auto before =
-        std::find_if(rest.begin(), rest.end(), [&](Index c) { return origin >= 0 && origin_of(c) == origin; });
-    if (rest.end() - before > 2) {
-      loops.emplace_back(before, rest.end());
-      rest.erase(before, rest.end());
-    }
-    rest.push_back(half_edge);
-  }
-  if (rest.size() > 2) loops.push_back(std::move(rest));
-  return loops;
 }
 
 // Makes a hole from the half-edges along it.
@@ -87,52 +65,47 @@ Hole hole_along(const RepairSurface& surface, const std::vector<Index>& loop) {
   return hole;
 }
 
-// Returns the holes to fill. Counts in `unsound` the loops within a given limit whose border is not simple.
-std::vector<TouchingHoles> find_holes(const RepairSurface& surface, std::optional<Index> most_edges,
-                                      Index& unsound) {
-  const EdgeTable& table = surface.edges();
-  const std::vector<Index>& corners = surface.faces().corners();
-  const auto limit = static_cast<std::size_t>(most_edges.value_or(default_edges));
-  const std::vector<std::vector<Index>> loops = boundary_loops(surface.mesh());
-  std::vector<Index> leaving(surface.mesh().vertex_count(), -1);  // the boundary half-edge from each vertex
-  if (!loops.empty())
-    for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
-      if (table.next[c] >= 0 && table.is_boundary(c)) leaving[corners[c]] = c;
-  const auto within_limit = [&](const std::vector<Index>& loop) { return loop.size() <= limit; };
-  std::vector<std::vector<std::vector<Index>>> candidates;  // loops of half-edges that touch each other
-  for (const std::vector<Index>& vertices : loops) {
-    std::vector<Index> loop;
-    for (const Index v : vertices) loop.push_back(leaving[v]);
-    bool sound = true;
-    for (std::size_t k = 0; k < loop.size() && sound; ++k)
-      sound = loop[k] >= 0 && corners[table.next[loop[k]]] == vertices[(k + 1) % vertices.size()];
-    if (!sound) {
-      unsound += most_edges && within_limit(loop);
-      continue;
-    }
-    std::vector<std::vector<Index>> touching = split_at_copies(surface, loop);
-    if (!std::all_of(touching.begin(), touching.end(), within_limit)) touching = {loop};
-    if (within_limit(touching.front())) candidates.push_back(std::move(touching));
-  }
-  std::vector<TouchingHoles> holes;
-  if (candidates.empty()) return holes;
+// Decides which holes are small: those of few edges, and without a limit given those of little area, too.
+class HoleLimit {
+ public:
+  HoleLimit(const RepairSurface& surface, std::optional<Index> most_edges)
+      : surface_(surface),
+        components_(components_of(surface)),
+        given_(most_edges.has_value()),
+        most_edges_(static_cast<std::size_t>(most_edges.value_or(default_edges))) {}
 
-  const ConnectedComponents components = components_of(surface);
-  const auto is_small = [&](const std::vector<Index>& loop) {
-    const Index component = components.of_face[surface.face_of(loop.front())];
-    if (components.faces[component] < 2) return false;  // a lone face
+  bool allows(const std::vector<Index>& loop) const {
+    if (loop.size() > most_edges_) return false;
     std::vector<Index> vertices;
-    for (const Index c : loop) vertices.push_back(corners[c]);
-    return most_edges ||
-           fan_area(surface.positions(), vertices) <= default_area_rel * components.area[component];
-  };
-  for (const auto& touching : candidates) {
-    if (!std::all_of(touching.begin(), touching.end(), is_small)) continue;
-    holes.emplace_back();
-    for (const std::vector<Index>& along : touching) holes.back().push_back(hole_along(surface, along));
+    for (const Index c : loop) vertices.push_back(surface_.faces().corners()[c]);
+    Index faces = 0;
+    double area = 0;
+    for (const Index component : components_around(loop)) {
+      faces += components_.faces[component];
+      area += components_.area[component];
+    }
+    if (faces < 2) return false;  // a lone face
+    return given_ || fan_area(surface_.positions(), vertices) <= default_area_rel * area;
   }
-  return holes;
-}
+
+  bool is_between_components(const std::vector<Index>& loop) const {
+    return components_around(loop).size() > 1;
+  }
+
+ private:
+  std::vector<Index> components_around(const std::vector<Index>& loop) const {
+    std::vector<Index> around;
+    for (const Index c : loop) around.push_back(components_.of_face[surface_.face_of(c)]);
+    std::sort(around.begin(), around.end());
+    around.erase(std::unique(around.begin(), around.end()), around.end());
+    return around;
+  }
+
+  const RepairSurface& surface_;
+  ConnectedComponents components_;
+  bool given_;
+  std::size_t most_edges_;
+};
 
 // Finds the faces and edges around vertices.
 class Surroundings {
@@ -250,8 +223,9 @@ void fair(const RepairSurface& surface, const Surroundings& surroundings, const 
   fair_hole(patch, points, around, surface.context());
 }
 
-// Fills a hole. Returns no faces if nothing can fill the hole.
-HolePatch fill(const RepairSurface& surface, const Surroundings& surroundings, const Hole& hole, HoleFill how) {
+// Returns what fills a hole; no faces if nothing can.
+HolePatch fill_of(const RepairSurface& surface, const Surroundings& surroundings, const Hole& hole,
+                  HoleFill how) {
   const auto beside = [&](Index k) { return surface.face_of(hole.outside[k]); };
   if (hole.vertices.size() == 3 && beside(0) == beside(1) && beside(1) == beside(2))
     return {};  // the other side of a single face
@@ -291,57 +265,119 @@ void add_patch(const RepairSurface& surface, const Hole& hole, const HolePatch& 
                origin, true);
 }
 
-// Merges copies with their vertices again, after the holes that touched there are closed.
-void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& copies) {
+// Merges vertices at one position, after a hole between them is closed.
+void rejoin(RepairSurface& surface, const std::vector<std::pair<Index, Index>>& pairs) {
   DisjointSets sets(surface.mesh().vertex_count());
-  std::vector<Index> given;
-  for (const auto& [copy, vertex] : copies) {
-    if (sets.root(copy) == sets.root(vertex)) continue;
-    sets.unite(copy, vertex);
-    given.push_back(surface.vertex_origin(copy));
+  std::vector<Index> copies, others;
+  Index copy_count = 0, other_count = 0;
+  for (const auto& [a, b] : pairs) {
+    const Index root = sets.root(a), other = sets.root(b);
+    if (root == other) continue;
+    sets.unite(a, b);
+    const Index origin = surface.vertex_origin(std::max(root, other));
+    const bool is_copy = origin == surface.vertex_origin(std::min(root, other));
+    ++(is_copy ? copy_count : other_count);
+    if (origin >= 0) (is_copy ? copies : others).push_back(origin);
   }
-  const auto count = static_cast<Index>(given.size());
-  surface.report(RepairChangeKind::rejoined_vertex, Domain::vertex, std::move(given), count);
+  if (other_count > 0)
+    surface.report(RepairChangeKind::welded_vertex, Domain::vertex, std::move(others), other_count);
+  if (copy_count > 0)
+    surface.report(RepairChangeKind::rejoined_vertex, Domain::vertex, std::move(copies), copy_count);
   surface.unite_vertices(sets);
 }
 
+// Fills holes one by one. What it adds becomes part of the surface at the end.
+class HoleFilling {
+ public:
+  HoleFilling(RepairSurface& surface, const HoleBoundary& boundary, HoleFill how)
+      : surface_(surface),
+        boundary_(boundary),
+        how_(how),
+        surroundings_(surface),
+        faces_(surface.traced()),
+        is_done_(surface.faces().corner_count(), 0),
+        is_used_(surface.mesh().vertex_count(), 0) {}
+
+  // Fills the hole along a loop. Leaves it for the next round if it shares two positions with a hole that is
+  // filled already, because both could get the edge between them.
+  void fill(const std::vector<Index>& loop) {
+    surface_.context().throw_if_stopped();
+    if (std::ranges::any_of(loop, [&](Index c) { return is_done_[c] != 0; })) return;
+    const auto shared =
+        std::ranges::count_if(loop, [&](Index c) { return is_used_[boundary_.position_of(c)] != 0; });
+    if (shared < 2) {
+      const Hole hole = hole_along(surface_, loop);
+      const HolePatch patch = fill_of(surface_, surroundings_, hole, how_);
+      if (patch.faces.empty()) {
+        ++failed_;
+        return;
+      }
+      add(hole, patch);
+    }
+    for (const Index c : loop) is_done_[c] = is_used_[boundary_.position_of(c)] = 1;
+  }
+
+  // Returns whether anything was filled.
+  bool finish() {
+    if (failed_ > 0) surface_.note(facts::mesh::HoleWithoutFill{.count = failed_});
+    if (count_ == 0) return false;
+    surface_.report(RepairChangeKind::filled_hole, Domain::vertex, std::move(given_), count_);
+    surface_.add_vertices(added_);
+    surface_.replace_faces(std::move(faces_));
+    if (!joined_.empty()) rejoin(surface_, joined_);
+    return true;
+  }
+
+ private:
+  void add(const Hole& hole, const HolePatch& patch) {
+    add_patch(surface_, hole, patch, faces_, added_);
+    ++count_;
+    for (const Index v : hole.vertices)
+      if (surface_.vertex_origin(v) >= 0) given_.push_back(surface_.vertex_origin(v));
+    for (const auto& [copy, index] : hole.copies) joined_.emplace_back(copy, hole.vertices[index]);
+  }
+
+  RepairSurface& surface_;
+  const HoleBoundary& boundary_;
+  HoleFill how_;
+  Surroundings surroundings_;
+  RepairFaces faces_;
+  std::vector<NewVertex> added_;
+  std::vector<Index> given_;
+  std::vector<std::pair<Index, Index>> joined_;  // vertices at one position
+  Flags is_done_;                                // per half-edge: whether its hole is filled, or next round
+  Flags is_used_;                                // per position: whether a hole there is
+  Index count_ = 0, failed_ = 0;
+};
+
 }  // namespace
 
+bool fill_cracks(RepairSurface& surface, const RepairOptions& options) {
+  if (components_of(surface).faces.size() < 2) return false;
+  const HoleBoundary boundary(surface, options);
+  const std::vector<std::vector<Index>> loops = boundary.touching_loops();
+  if (loops.empty()) return false;
+  const HoleLimit limit(surface, options.hole_edges);
+  HoleFilling filling(surface, boundary, options.hole_fill);
+  for (const std::vector<Index>& loop : loops)
+    if (limit.is_between_components(loop) && limit.allows(loop)) filling.fill(loop);
+  return filling.finish();
+}
+
+// Holes that touch others come first. Along the boundary of a component they may form one large loop.
 bool fill_holes(RepairSurface& surface, const RepairOptions& options) {
-  Index count = 0, left = 0, unsound = 0;
-  const std::vector<TouchingHoles> holes = find_holes(surface, options.hole_edges, unsound);
+  const HoleBoundary boundary(surface, options);
+  Index unsound = 0;
+  const std::vector<std::vector<Index>> loops = boundary.loops(options.hole_edges.value_or(0), unsound);
   if (unsound > 0) surface.note(facts::mesh::HoleBesideInconsistentFaces{.count = unsound});
-  if (holes.empty()) return false;
-  RepairFaces filled = surface.traced();
-  std::vector<NewVertex> added;
-  std::vector<Index> given;
-  std::vector<std::pair<Index, Index>> rejoined;  // copies and the vertices that they copy
-  const Surroundings surroundings(surface);
-  for (const TouchingHoles& touching : holes) {
-    surface.context().throw_if_stopped();
-    std::vector<HolePatch> patches;
-    for (const Hole& hole : touching) patches.push_back(fill(surface, surroundings, hole, options.hole_fill));
-    if (std::any_of(patches.begin(), patches.end(),
-                    [](const HolePatch& patch) { return patch.faces.empty(); })) {
-      left += static_cast<Index>(touching.size());
-      continue;
-    }
-    for (std::size_t k = 0; k < touching.size(); ++k) {
-      const Hole& hole = touching[k];
-      add_patch(surface, hole, patches[k], filled, added);
-      ++count;
-      for (const Index v : hole.vertices)
-        if (surface.vertex_origin(v) >= 0) given.push_back(surface.vertex_origin(v));
-      for (const auto& [copy, index] : hole.copies) rejoined.emplace_back(copy, hole.vertices[index]);
-    }
-  }
-  if (left > 0) surface.note(facts::mesh::HoleWithoutFill{.count = left});
-  if (count == 0) return false;
-  surface.report(RepairChangeKind::filled_hole, Domain::vertex, std::move(given), count);
-  surface.add_vertices(added);
-  surface.replace_faces(std::move(filled));
-  if (!rejoined.empty()) rejoin(surface, rejoined);
-  return true;
+  if (loops.empty()) return false;
+  const HoleLimit limit(surface, options.hole_edges);
+  HoleFilling filling(surface, boundary, options.hole_fill);
+  for (const std::vector<Index>& loop : boundary.touching_loops())
+    if (limit.allows(loop)) filling.fill(loop);
+  for (const std::vector<Index>& loop : loops)
+    if (limit.allows(loop)) filling.fill(loop);
+  return filling.finish();
 }
 
 }  // namespace meshgraft

@@ -20,10 +20,7 @@
 
 namespace meshgraft {
 
-namespace {
-
-// Returns for each boundary vertex the smallest one at its position, either exactly or within the distance.
-std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<double> distance) {
+std::vector<Index> boundary_positions(const RepairSurface& surface, std::optional<double> distance) {
   const double largest_share = distance ? 0.5 : 0.1;  // of the shortest edge
   const Points& positions = surface.positions();
   const Index count = surface.mesh().vertex_count();
@@ -60,8 +57,6 @@ std::vector<Index> boundary_places(const RepairSurface& surface, std::optional<d
   for (const Index v : boundary) representative[v] = sets.root(representative[v]);
   return representative;
 }
-
-}  // namespace
 
 double weld_distance(const RepairSurface& surface, std::optional<double> distance) {
   constexpr double default_rel = 1e-6;
@@ -148,7 +143,7 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
 bool stitch(RepairSurface& surface, std::optional<double> distance) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
-  const std::vector<Index> representative = boundary_places(surface, distance);
+  const std::vector<Index> representative = boundary_positions(surface, distance);
   DisjointSets sets(surface.mesh().vertex_count());
   const IndexLists rows = coincident_boundary_edges(table, representative);
   for (Index row = 0; row < rows.size(); ++row) {

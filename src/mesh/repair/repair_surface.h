@@ -118,6 +118,8 @@ bool remove_duplicate_shells(RepairSurface& surface);
 bool stitch(RepairSurface& surface, std::optional<double> distance);
 bool split_t_junctions(RepairSurface& surface, std::optional<double> distance);
 bool split_non_manifold(RepairSurface& surface);
+/// Closes holes between components. They are part of one surface then, however small.
+bool fill_cracks(RepairSurface& surface, const RepairOptions& options);
 bool remove_debris(RepairSurface& surface, double debris_rel);
 bool unify_winding(RepairSurface& surface);
 bool fill_holes(RepairSurface& surface, const RepairOptions& options);
@@ -125,6 +127,10 @@ bool fill_holes(RepairSurface& surface, const RepairOptions& options);
 /// Pairs the half-edges at one position for joining. Prefers pairs that run in opposite directions, and then
 /// those that continue most nearly straight. With an odd number one is left out.
 std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges);
+
+/// Returns for each boundary vertex the smallest one at its position, exactly or within the weld distance; -1
+/// for other vertices.
+std::vector<Index> boundary_positions(const RepairSurface& surface, std::optional<double> distance);
 
 /// Returns how far apart merged vertices may be: `distance`, or by default 1e-6 of the box diagonal.
 double weld_distance(const RepairSurface& surface, std::optional<double> distance);
