@@ -7,12 +7,9 @@
 // how much longer CGAL takes, by medians. With --benchmark_repetitions=5
 // --benchmark_enable_random_interleaving=true, changes of the machine's speed affect both alike.
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -28,6 +25,8 @@
 
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/samples/samples.h>
+
+#include "ratio_reporter.h"
 
 namespace meshgraft::bench {
 namespace {
@@ -84,34 +83,6 @@ void add_case(const std::string& name, const std::function<std::size_t()>& count
       ->Unit(benchmark::kMillisecond)
       ->UseRealTime();
 }
-
-/// Prints the runs, and how many times as long as each group's first run its others take.
-class RatioReporter : public benchmark::ConsoleReporter {
- public:
-  void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    for (const Run& run : runs)
-      if (run.run_type == Run::RT_Iteration)
-        times_[run.run_name.function_name].push_back(run.GetAdjustedRealTime());
-  }
-  void Finalize() override {
-    for (auto& [name, times] : times_) {
-      const std::string group = name.substr(0, name.find(" / "));
-      const double ours = median(times_[group + " / meshgraft"]);
-      if (ours > 0)
-        std::printf("%-50s %8.0f ms, %.2f × meshgraft\n", name.c_str(), median(times), median(times) / ours);
-    }
-  }
-
- private:
-  static double median(std::vector<double>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  }
-  std::map<std::string, std::vector<double>> times_;
-};
 
 int run(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
