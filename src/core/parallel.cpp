@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <future>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -147,23 +150,64 @@ void share_out(int count, const std::function<void(int, int)>& body, const Conte
 void parallel_blocks(std::size_t count, const std::function<void(std::size_t, std::size_t)>& body,
                      const Context& context, std::size_t grain) {
   context.throw_if_stopped();
-  if (context.threads == 1 || count <= grain) {
-    for (std::size_t begin = 0; begin < count; begin += grain) {
+  const auto run_blocks = [&](std::size_t first, std::size_t last) {
+    for (std::size_t begin = first; begin < last; begin += grain) {
       context.throw_if_stopped();
-      body(begin, begin + grain < count ? begin + grain : count);
+      body(begin, begin + grain < last ? begin + grain : last);
     }
+  };
+  if (context.threads == 1 || count <= grain) {
+    run_blocks(0, count);
     return;
   }
   ForkJoin events;
   const CallerScope caller(events);
   in_arena(context, events, [&] {
+    // A range may be many blocks long: TBB divides it only as often as other threads are idle.
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
       const BodyScope scope(events);
-      context.throw_if_stopped();
-      body(range.begin(), range.end());
+      run_blocks(range.begin(), range.end());
     });
   });
+  context.throw_if_stopped();
 }
+
+namespace {
+
+// How often a thread that waits for something else looks for a stop.
+constexpr std::chrono::milliseconds between_looks(10);
+
+// Counts the works that were left behind and still run.
+class LeftBehind {
+ public:
+  static constexpr int most = 2;
+
+  // Waits until few enough are left. Throws Error(cancelled) if a stop is requested before.
+  void wait_for_room(const Context& context) {
+    std::unique_lock lock(mutex_);
+    while (count_ >= most) {
+      context.throw_if_stopped();
+      ended_.wait_for(lock, between_looks);
+    }
+  }
+  void add(int count) {
+    const std::lock_guard lock(mutex_);
+    count_ += count;
+    ended_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable ended_;
+  int count_ = 0;
+};
+
+LeftBehind& left_behind() {
+  static auto* const works = new LeftBehind;  // never destroyed: threads may outlive the main function
+  return *works;
+}
+
+}  // namespace
 
 void run_abandonable(std::function<void()> work, const Context& context) {
   context.throw_if_stopped();
@@ -171,12 +215,29 @@ void run_abandonable(std::function<void()> work, const Context& context) {
     work();
     return;
   }
-  std::packaged_task<void()> task(std::move(work));
-  std::future<void> done = task.get_future();
-  std::jthread worker(std::move(task));
-  constexpr std::chrono::milliseconds between_looks(10);
+  left_behind().wait_for_room(context);
+  // Either the work ends first or the caller leaves. The second of the two sees the first.
+  const auto first_is_over = std::make_shared<std::atomic<bool>>(false);
+  std::promise<void> promise;
+  std::future<void> done = promise.get_future();
+  std::jthread worker([work = std::move(work), promise = std::move(promise), first_is_over]() mutable {
+    std::exception_ptr failure;
+    try {
+      work();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    work = nullptr;  // frees what it owns
+    if (first_is_over->exchange(true)) left_behind().add(-1);
+    if (failure)
+      promise.set_exception(failure);
+    else
+      promise.set_value();
+  });
   while (done.wait_for(between_looks) != std::future_status::ready) {
     if (!context.stop_token.stop_requested()) continue;
+    left_behind().add(1);
+    if (first_is_over->exchange(true)) left_behind().add(-1);
     worker.detach();
     context.throw_if_stopped();
   }

@@ -24,9 +24,9 @@ void parallel_blocks(std::size_t count, const std::function<void(std::size_t, st
 /// number of ranges.
 void share_out(int count, const std::function<void(int, int)>& body, const Context& context = {});
 
-/// Runs `work`, which cannot be interrupted, and stops waiting for it when a stop is requested. It then
-/// throws Error(cancelled), and a thread of its own finishes the work. `work` must own everything that it
-/// uses.
+/// Runs `work`, which cannot be interrupted and must own everything that it uses. Throws Error(cancelled) when
+/// a stop is requested; a thread of its own then finishes the work and frees it. While two works that were
+/// left behind still run, a call waits for one of them before it starts another.
 void run_abandonable(std::function<void()> work, const Context& context = {});
 
 /// A forest of nodes in postorder whose work is divided among threads. In postorder every subtree is a range

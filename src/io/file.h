@@ -27,7 +27,7 @@ std::filesystem::path follow_links(std::filesystem::path path);
 /// Returns a whole file as bytes, as many as it had when it was opened. Pipes, devices and sockets are refused,
 /// because they may never end. Charges the bytes to the budget before it takes memory. Throws Error(io):
 /// io.file_not_found, io.is_folder, io.not_a_file, io.no_permission, …, and Error(memory).
-std::string read_file(const std::filesystem::path& path, MemoryBudget& budget);
+std::string read_file(const std::filesystem::path& path, MemoryBudget& budget, const Context& context = {});
 /// Reads a file with the default budget of a Context.
 std::string read_file(const std::filesystem::path& path);
 

@@ -94,7 +94,7 @@ void require_morph_target(const MorphTarget& target, const Mesh& mesh, const std
 Mesh read_mesh(const std::filesystem::path& path, const Context& context) {
   context.step("read", 0);
   MemoryBudget budget(context);
-  std::string content = read_file(path, budget);
+  std::string content = read_file(path, budget, context);
   if (content.empty()) throw Error(facts::io::EmptyFile{}, path);
   const io::Format& format = format_of_content(content, path);
   Mesh mesh = read_as(format, std::move(content), path, budget, context);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 #include "sparse_products.h"
 
 namespace meshgraft {
@@ -98,7 +99,8 @@ SparseRows transpose(const SparseRows& a, const Context& context) {
     share_out(
         static_cast<int>(a.cols()),
         [&](int first, int last) {
-          for (Eigen::Index row = 0; row < a.rows(); ++row)
+          SparseChecks check(context);
+          for (Eigen::Index row = 0; row < a.rows(); ++row, check())
             for (SparseRows::InnerIterator it(a, row); it; ++it)
               if (it.col() >= first && it.col() < last) body(static_cast<int>(row), it);
         },

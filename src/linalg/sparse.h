@@ -20,6 +20,9 @@ SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& con
 /// Computes a·x for a block of columns, in parallel.
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
 
+/// Sets a matrix to another one without a copy. Eigen 3.4 has no move assignment.
+inline void take_over(SparseRows& to, SparseRows from) { to.swap(from); }
+
 /// Returns the rows of `top` followed by those of `bottom`.
 SparseRows stack(const SparseRows& top, const SparseRows& bottom);
 

@@ -146,7 +146,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
       where(faces, without_area));
 
   context.step("check", 0.2);
-  const EdgeTable table(vertices, mesh.faces);
+  const EdgeTable table(vertices, mesh.faces, context);
   context.step("check", 0.6);
   const std::vector<Index> fans = fan_counts(mesh, table);
   const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/sparse_checks.h"
+
 namespace meshgraft {
 
 namespace {
@@ -44,9 +46,11 @@ bool repeats_vertex(const Triangles& triangles, Index t) {
 
 }  // namespace
 
-EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
+EdgeTable::EdgeTable(Index vertex_count, const Faces& faces, const Context& context)
     : next(faces.corner_count(), -1), previous(faces.corner_count(), -1), edge(faces.corner_count(), -1) {
+  SparseChecks check(context);
   for (Index f = 0; f < faces.size(); ++f) {
+    check();
     if (link_face(faces[f], faces.first_corner(f), vertex_count, *this)) ++usable_faces;
   }
 
@@ -58,9 +62,11 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
     if (next[c] >= 0) ++start[ends_of(c).first + 1];
   }
   for (Index v = 0; v < vertex_count; ++v) start[v + 1] += start[v];
+  context.throw_if_stopped();
   std::vector<std::pair<Index, Index>> bucket(start.back());
   std::vector<Index> cursor(start.begin(), start.end() - 1);
   for (Index c = 0; c < faces.corner_count(); ++c) {
+    check();
     if (next[c] >= 0) bucket[cursor[ends_of(c).first]++] = {ends_of(c).second, c};
   }
 
@@ -68,6 +74,7 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces)
   half_edges.offsets.reserve(bucket.size() / 2 + 1);
   ends.reserve(bucket.size() / 2 + 1);
   for (Index v = 0; v < vertex_count; ++v) {
+    check();
     std::sort(bucket.begin() + start[v], bucket.begin() + start[v + 1]);
     for (Index k = start[v]; k < start[v + 1]; ++k) {
       if (k == start[v] || bucket[k].first != bucket[k - 1].first) {

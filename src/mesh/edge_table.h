@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/topology.h>
 
 namespace meshgraft {
@@ -12,7 +13,7 @@ namespace meshgraft {
 /// skipped. A face with an index out of range, or with fewer than three corners left, is unusable: its corners
 /// have next = edge = -1.
 struct EdgeTable {
-  EdgeTable(Index vertex_count, const Faces& faces);
+  EdgeTable(Index vertex_count, const Faces& faces, const Context& context = {});
 
   Index edge_count() const { return half_edges.size(); }
   bool is_boundary(Index half_edge) const { return half_edges[edge[half_edge]].size() == 1; }

@@ -96,11 +96,11 @@ RefineResult split_edges_at(const Mesh& mesh, std::span<const Index> vertices, c
 RefineResult split_edges(const Mesh& mesh, const EdgePredicate& is_split, const Context& context) {
   context.step("refine", 0);
   const Index old_count = mesh.vertex_count();
-  const EdgeTable polygon_edges(old_count, mesh.faces);
+  const EdgeTable polygon_edges(old_count, mesh.faces, context);
   const TracedFaces coarse =
       triangulate_chosen(mesh, [&](Index f) { return has_split_edge(mesh, f, polygon_edges, is_split); },
                          {.skip_out_of_range = true});
-  const EdgeTable table(old_count, coarse.faces);
+  const EdgeTable table(old_count, coarse.faces, context);
 
   context.step("refine", 0.3);
   RefineResult result;

@@ -8,6 +8,7 @@
 #include <meshgraft/mesh/normals.h>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 #include "laplacian.h"
 #include "linalg/sparse.h"
 #include "local_maps.h"
@@ -72,7 +73,7 @@ AffineOperator::AffineOperator(const OperatorMesh& mesh, const ConstraintMask& m
 
   nodes_ = make_stencil_nodes({points, normals, rings_, numbers}, mask, options, context);
   context.step("assemble", 0.1);
-  H_ = local_map_operator(nodes_, rings_, mask, context);
+  take_over(H_, local_map_operator(nodes_, rings_, mask, context));
   context.step("assemble", 0.4);
   build_laplacian_rows(points, triangles, options, flag_rows(mask, rings_, options.laplacian_order), context);
   pairs_ =
@@ -90,7 +91,7 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
   const Points shifted = nodes_.positions.topRows(n);  // p' for vertices that were moved, else p
   const SparseRows D = umbrella_operator(shifted, triangles, rings_, options.weights, context);
   SparseRows power = D;
-  for (int order = 1; order < options.laplacian_order; ++order) power = multiply(D, power, context);
+  for (int order = 1; order < options.laplacian_order; ++order) take_over(power, multiply(D, power, context));
   const Columns delta = multiply(power, Columns(shifted), context);
 
   std::vector<Index> row_vertices;
@@ -104,7 +105,9 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
   L_.reserve(lengths);
   delta_.reserve(std::vector<int>(lengths.size(), 3));
   const double laplacian_scale = std::sqrt(options.laplacian_weight);
+  SparseChecks check(context);
   for (Eigen::Index row = 0; row < row_count; ++row) {
+    check();
     const Index i = row_vertices[row];
     const double density =
         options.density == Density::aware ? density_scale(mean_edge_length_ / edge_lengths_[i]) : 1.0;
@@ -123,7 +126,9 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
                                            const Context& context) {
   const bool with_normals = options.degenerate != DegenerateTreatment::ft05_noise;
   const std::size_t rows_per_pair = with_normals ? 2 : 1;
-  P_ = rows_of_lengths(std::vector<int>(pairs_.size() * rows_per_pair, 6), 3 * rings_.size());
+  context.throw_if_stopped();
+  take_over(P_, rows_of_lengths(std::vector<int>(pairs_.size() * rows_per_pair, 6), 3 * rings_.size()));
+  context.throw_if_stopped();
   const auto write_row = [&](std::size_t row, const std::array<Index, 2>& pair, const Eigen::RowVector3d& d) {
     int* columns = P_.innerIndexPtr() + 6 * row;
     double* values = P_.valuePtr() + 6 * row;

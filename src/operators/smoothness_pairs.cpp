@@ -46,7 +46,10 @@ std::vector<std::array<Index, 2>> smoothness_pairs(const Triangles& triangles,
       },
       context, 1);
   std::vector<std::array<Index, 2>> pairs;
-  for (const auto& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
+  for (const auto& block : blocks) {
+    context.throw_if_stopped();
+    pairs.insert(pairs.end(), block.begin(), block.end());
+  }
   return pairs;
 }
 

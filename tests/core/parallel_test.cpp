@@ -41,6 +41,13 @@ TEST(ParallelBlocks, VisitsEveryIndexOnce) {
     }
 }
 
+TEST(ParallelBlocks, GivesNoBlockLongerThanTheGrain) {
+  for (const int threads : {1, 2, 4})
+    parallel_blocks(
+        10'000, [](std::size_t begin, std::size_t end) { EXPECT_LE(end - begin, 64U); }, with_threads(threads),
+        64);
+}
+
 TEST(ParallelBlocks, PassesOnAnException) {
   for (const int threads : {1, 2, 4})
     EXPECT_THROW(parallel_blocks(
@@ -255,6 +262,74 @@ TEST(RunAbandonable, StopsWaitingWhileTheWorkGoesOn) {
                Error);
   shared->may_end.set_value();
   shared->ended.get_future().wait();  // hangs if the abandoned work does not end
+}
+
+TEST(RunAbandonable, StartsNothingWhileTwoWorksThatWereLeftStillRun) {
+  struct Blocked {
+    std::promise<void> started, may_end, ended;
+  };
+  std::vector<std::shared_ptr<Blocked>> left;
+  for (int k = 0; k < 2; ++k) {
+    const auto& blocked = left.emplace_back(std::make_shared<Blocked>());
+    std::stop_source stop;
+    std::jthread stopper([&] {
+      blocked->started.get_future().wait();
+      stop.request_stop();
+    });
+    EXPECT_THROW(run_abandonable(
+                     [blocked] {
+                       blocked->started.set_value();
+                       blocked->may_end.get_future().wait();
+                       blocked->ended.set_value();
+                     },
+                     {.threads = 0, .progress = {}, .stop_token = stop.get_token()}),
+                 Error);
+  }
+  const auto released = std::make_shared<std::atomic<bool>>(false);
+  const auto released_at_start = std::make_shared<std::atomic<bool>>(false);
+  std::stop_source never;
+  std::jthread third([&] {
+    run_abandonable([=] { *released_at_start = released->load(); },
+                    {.threads = 0, .progress = {}, .stop_token = never.get_token()});
+  });
+  for (int k = 0; k < 1000; ++k) std::this_thread::yield();  // the third call would start now if it could
+  *released = true;
+  for (const auto& blocked : left) {
+    blocked->may_end.set_value();
+    blocked->ended.get_future().wait();
+  }
+  third.join();
+  EXPECT_TRUE(*released_at_start);
+}
+
+TEST(RunAbandonable, CanBeCancelledWhileItWaitsForWorksThatWereLeft) {
+  struct Blocked {
+    std::promise<void> started, may_end;
+  };
+  std::vector<std::shared_ptr<Blocked>> left;
+  const auto leave = [&] {
+    const auto& blocked = left.emplace_back(std::make_shared<Blocked>());
+    std::stop_source stop;
+    std::jthread stopper([&] {
+      blocked->started.get_future().wait();
+      stop.request_stop();
+    });
+    EXPECT_THROW(run_abandonable(
+                     [blocked] {
+                       blocked->started.set_value();
+                       blocked->may_end.get_future().wait();
+                     },
+                     {.threads = 0, .progress = {}, .stop_token = stop.get_token()}),
+                 Error);
+  };
+  leave();
+  leave();
+  std::stop_source stop;
+  std::jthread stopper([&] { stop.request_stop(); });
+  EXPECT_THROW(run_abandonable([] { FAIL() << "started beside two that were left"; },
+                               {.threads = 0, .progress = {}, .stop_token = stop.get_token()}),
+               Error);
+  for (const auto& blocked : left) blocked->may_end.set_value();
 }
 
 TEST(RunAbandonable, RunsToTheEndAndPassesOnAnException) {

@@ -56,6 +56,38 @@ TEST(BisectGraph, HasPartsOfAboutTheSameSizeThatFewEdgesJoin) {
   }
 }
 
+// Large graphs are cut by several calls of METIS.
+TEST(BisectGraph, CutsALargeGraphLikeASmallOne) {
+  const Mesh mesh = make_sample("bumpy_plane", 360);
+  const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
+  constexpr int levels = 4;
+  const BisectionTree bisection = bisect_graph({numbers_below(mesh.vertex_count()), &rings}, levels);
+  ASSERT_EQ(bisection.levels, levels);
+  std::vector<int> size(1U << levels, 0);
+  int across = 0;
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    ++size.at(bisection.part[v]);
+    for (const Index w : rings[v]) across += bisection.part[v] != bisection.part[w] ? 1 : 0;
+  }
+  const auto [smallest, largest] = std::minmax_element(size.begin(), size.end());
+  EXPECT_LT(*largest, 1.1 * *smallest);
+  // Sixteen squares of 90 × 90 vertices have 6 × 360 edges of the grid across their sides.
+  EXPECT_LT(across, 2 * 4 * 6 * 360);
+}
+
+TEST(NestedDissectionOrder, OrdersALargeMatrixLikeASmallOne) {
+  constexpr Index side = 420;  // 24 neighbours each: more than METIS gets at once
+  const NormalMatrix lower = lattice_matrix(side, side, 2);
+  const std::vector<int> order = nested_dissection_order(lower);
+  std::vector<int> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  EXPECT_EQ(sorted, numbers_below(lower.rows()));
+  // The flops of a nested dissection grow with the third power of the side.
+  const NormalMatrix small = lattice_matrix(side / 2, side / 2, 2);
+  EXPECT_LT(symbolic_factorisation(lower, order, {}).flops(),
+            12 * symbolic_factorisation(small, nested_dissection_order(small), {}).flops());
+}
+
 TEST(BisectGraph, LeavesAGraphWholeThatIsToHaveOnePart) {
   const Mesh mesh = make_sample("torus", 12);
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);

@@ -4,11 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <utility>
 
 #include <meshoptimizer.h>
 #include <Eigen/Geometry>
+
+#include "core/parallel.h"
 
 namespace meshgraft {
 
@@ -108,18 +111,28 @@ Decimated gather(std::span<const unsigned> corners, Eigen::Index vertex_count) {
 }  // namespace
 
 Decimated decimate(const Points& points, const Triangles& triangles, const Points& normals,
-                   std::span<const std::uint8_t> locked, Index target) {
-  std::vector<unsigned> corners = corners_with_locks(triangles, locked);
-  const std::vector<float> coordinates =
-      roughened(points, normals, std::sqrt(surface_area(points, triangles) / target));
+                   std::span<const std::uint8_t> locked, Index target, const Context& context) {
+  // Data that the simplifier owns, so that a cancelled caller can leave it behind.
+  struct Simplification {
+    std::vector<unsigned> corners, left;
+    std::vector<float> coordinates;
+    std::size_t target_corners = 0, count = 0;
+  };
+  const auto s = std::make_shared<Simplification>();
+  s->corners = corners_with_locks(triangles, locked);
+  s->coordinates = roughened(points, normals, std::sqrt(surface_area(points, triangles) / target));
   // A closed surface has twice as many faces as vertices, one with boundary has fewer.
-  const std::size_t target_corners = std::min(6 * static_cast<std::size_t>(target), corners.size());
-  constexpr float any_error = std::numeric_limits<float>::max();
-  std::vector<unsigned> left(corners.size());
-  const std::size_t count = meshopt_simplify(left.data(), corners.data(), corners.size(), coordinates.data(),
-                                             static_cast<std::size_t>(points.rows()), 3 * sizeof(float),
-                                             target_corners, any_error, 0, nullptr);
-  return gather(std::span(left).first(count), points.rows());
+  s->target_corners = std::min(6 * static_cast<std::size_t>(target), s->corners.size());
+  s->left.resize(s->corners.size());
+  run_abandonable(
+      [s] {
+        constexpr float any_error = std::numeric_limits<float>::max();
+        s->count = meshopt_simplify(s->left.data(), s->corners.data(), s->corners.size(), s->coordinates.data(),
+                                    s->coordinates.size() / 3, 3 * sizeof(float), s->target_corners, any_error,
+                                    0, nullptr);
+      },
+      context);
+  return gather(std::span(s->left).first(s->count), points.rows());
 }
 
 }  // namespace meshgraft

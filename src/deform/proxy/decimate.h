@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -18,8 +19,8 @@ struct Decimated {
 /// vertices that no collapse removes. More vertices are left where the topology forbids collapses. `normals`
 /// are the surface's unit normals. Vertices without a face are left out. So are those of pockets, whose faces
 /// lie back to back after the collapses, even where they are locked. `target` must be less than the number
-/// of vertices.
+/// of vertices. Stops waiting for meshoptimizer when a stop is requested, and throws Error(cancelled).
 Decimated decimate(const Points& points, const Triangles& triangles, const Points& normals,
-                   std::span<const std::uint8_t> locked, Index target);
+                   std::span<const std::uint8_t> locked, Index target, const Context& context = {});
 
 }  // namespace meshgraft

@@ -159,7 +159,7 @@ bool ProxyDeformer::Impl::try_build(const ProxyProblem& problem, const ProxyDoma
       static_cast<Index>(std::min<double>(wanted_vertices(problem.options) * around, domain.size()));
   const Flags keep = vertices_to_keep(domain, keep_all);
   Decimated proxy = target < domain.size()
-                        ? decimate(domain.points, domain.triangles, domain.normals, keep, target)
+                        ? decimate(domain.points, domain.triangles, domain.normals, keep, target, context)
                         : whole_surface(domain);
   constexpr int rounds = 4;  // more rounds change little
   if (target < domain.size())

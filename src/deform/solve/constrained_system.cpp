@@ -197,20 +197,25 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
     }
     shared += 4;
   }
+  context.throw_if_stopped();
   E_.resize(node_count, columns);
   E_.setFromTriplets(E_entries.begin(), E_entries.end());
+  context.throw_if_stopped();
   SparseRows F(3 * n, columns);
   F.setFromTriplets(F_entries.begin(), F_entries.end());
   if (columns == 0) return;
 
-  G_ = multiply(H(), E_, context);
+  take_over(G_, multiply(H(), E_, context));
   if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
-  A_L_ = difference_of_products({op.L(), E_}, {op.delta(), G_}, context);
+  take_over(A_L_, difference_of_products({op.L(), E_}, {op.delta(), G_}, context));
 
-  stiffness_rows_ = stiffness_rows(density, stiffness);
-  A_L_ = stack(stack(A_L_, multiply(stiffness_rows_, E_, context)), anchor_rows(density));
-  A_L_transposed_ = transpose(A_L_, context);
-  G_transposed_ = transpose(G_, context);
+  take_over(stiffness_rows_, stiffness_rows(density, stiffness));
+  context.throw_if_stopped();
+  take_over(A_L_, stack(A_L_, multiply(stiffness_rows_, E_, context)));
+  context.throw_if_stopped();
+  take_over(A_L_, stack(A_L_, anchor_rows(density)));
+  take_over(A_L_transposed_, transpose(A_L_, context));
+  take_over(G_transposed_, transpose(G_, context));
   context.step("assemble", 0.7);
 }
 
@@ -246,11 +251,14 @@ OrderingGraph ConstrainedSystem::ordering_graph() const {
 void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summary, const Context& context) {
   Stopwatch watch;
   const NormalMatrix normal = normal_matrix(context);
+  context.throw_if_stopped();
   normal_one_norm_ = one_norm(normal);
+  context.throw_if_stopped();
   summary.assemble_seconds += watch.lap();
 
   solver_ = make_solver(backend);
-  solver_->analyse(normal, ordering_graph(), context);
+  const OrderingGraph graph = ordering_graph();
+  solver_->analyse(normal, graph, context);
   summary.analyse_seconds = watch.lap();
   solver_->factorise(normal, context);
   summary.factorise_seconds = watch.lap();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/sparse_checks.h"
 #include "linalg/sparse.h"
 #include "operators/laplacian.h"
 
@@ -54,11 +55,12 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows)
 }
 
 /// Returns the lower triangle of the square part of `rows` that belongs to the vertices `unknown`.
-NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown) {
+NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown, const Context& context) {
   std::vector<Index> column_of(rows.cols(), -1);
   for (std::size_t k = 0; k < unknown.size(); ++k) column_of[unknown[k]] = static_cast<Index>(k);
   const auto for_each_entry = [&](const auto& body) {
-    for (Eigen::Index k = 0; k < rows.rows(); ++k)
+    SparseChecks check(context);
+    for (Eigen::Index k = 0; k < rows.rows(); ++k, check())
       for (SparseRows::InnerIterator it(rows, k); it; ++it)
         if (const Index column = column_of[it.col()]; column >= 0 && column <= k) body(k, column, it.value());
   };
@@ -91,7 +93,7 @@ SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<do
 /// Factorises the square part of `rows` that belongs to the graph's groups. Each unknown is a vertex.
 std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const OrderingGraph& graph,
                                         SolverBackend backend, const Context& context) {
-  const NormalMatrix matrix = square_part(rows, graph.group);
+  const NormalMatrix matrix = square_part(rows, graph.group, context);
   auto solver = make_solver(backend);
   solver->analyse(matrix, graph, context);
   solver->factorise(matrix, context);
@@ -107,7 +109,7 @@ BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, c
   std::vector<double> inverse_areas;
   for (const double area : areas) inverse_areas.push_back(area > 0 ? 1 / area : 0);
   const SparseRows K = dirichlet_matrix(points, triangles, rings, context);
-  matrix = multiply(multiply(K, diagonal(inverse_areas), context), K, context);
+  take_over(matrix, multiply(multiply(K, diagonal(inverse_areas), context), K, context));
 }
 
 SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::uint8_t> given,
@@ -115,8 +117,10 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
                              const SurfaceFieldOptions& options, const Context& context)
     : bending_(std::move(bending_matrix)), areas_(vertex_areas(surface.points, surface.triangles)) {
   const auto& [points, triangles, rings, bisection] = surface;
+  context.throw_if_stopped();
   find_components(rings, given);
   if (free_.empty()) return;
+  context.throw_if_stopped();
 
   const double smallest = smallest_area_of(areas_, rings);
   const std::shared_ptr<const BendingMatrix> used =
@@ -125,7 +129,8 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
   bound_areas(smallest, rings, areas_);
   const SparseRows& bending = used->matrix;
   if (!spread_to_.empty()) {
-    spread_rows_ = select_rows(bending, spread_to_);
+    take_over(spread_rows_, select_rows(bending, spread_to_));
+    context.throw_if_stopped();
     spread_solver_ = factorise(spread_rows_, {spread_to_, &rings, bisection, points(spread_to_, Eigen::all)},
                                options.backend, context);
   }
@@ -135,7 +140,9 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
   std::vector<double> vertex_weights;
   for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
+  context.throw_if_stopped();
   const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_);
+  context.throw_if_stopped();
   smooth_solver_ =
       factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, options.backend, context);
 }

@@ -8,6 +8,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/sparse_checks.h"
 #include "gltf/facts.h"
 
 namespace meshgraft::io {
@@ -70,7 +71,9 @@ class DemandCollector {
   GltfDemand of_positions(const GltfElementMap& map) const {
     GltfDemand demand{*channel_of("POSITION"), map.accessor, Flags(map.vertex.size(), false), {}};
     const GltfAccessor accessor = resolve_accessor(root_, map.accessor, bytes_);
+    SparseChecks check(context_);
     for (std::size_t e = 0; e < map.vertex.size(); ++e) {
+      check();
       if (map.vertex[e] < 0) continue;
       demand.is_used[e] = true;
       require(demand, e, accessor, mesh_.positions.data() + 3 * std::ptrdiff_t{map.vertex[e]}, 3);

@@ -68,11 +68,16 @@ class GltfReader {
   Mesh read() {
     open();
     for (GltfInstance& instance : document_->instances) read_instance(instance);
+    context_.throw_if_stopped();
     fill_positions();
+    context_.throw_if_stopped();
     mark_out_of_range();
+    context_.throw_if_stopped();
     read_attributes();
     read_labels();
+    context_.throw_if_stopped();
     document_->remember_topology(mesh_);
+    context_.throw_if_stopped();
     mesh_.source = std::move(document_);
     return std::move(mesh_);
   }

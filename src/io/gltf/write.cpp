@@ -9,6 +9,7 @@
 #include <meshgraft/core/error.h>
 
 #include "compose.h"
+#include "core/sparse_checks.h"
 #include "demands.h"
 #include "edit.h"
 #include "gltf.h"
@@ -160,11 +161,16 @@ void redirect(Json& mesh, const GltfDemand& demand, std::size_t accessor) {
 
 /// Unites the changes that all demands make to an accessor. Returns false if one demand keeps an element that
 /// another changes, or if their values differ.
-bool unite(const std::vector<PlacedDemand>& demands, GltfChanges& united) {
+bool unite(const std::vector<PlacedDemand>& demands, GltfChanges& united, const Context& context) {
+  SparseChecks check(context);
   for (const PlacedDemand& placed : demands)
-    for (const auto& [element, value] : placed.demand->changes) united.try_emplace(element, value);
+    for (const auto& [element, value] : placed.demand->changes) {
+      check();
+      united.try_emplace(element, value);
+    }
   return std::ranges::all_of(demands, [&](const PlacedDemand& placed) {
     return std::ranges::all_of(united, [&](const auto& change) {
+      check();
       const auto own = placed.demand->changes.find(change.first);
       if (own == placed.demand->changes.end()) return !placed.demand->is_used[change.first];
       return nearly_equal(own->second, change.second);
@@ -172,7 +178,8 @@ bool unite(const std::vector<PlacedDemand>& demands, GltfChanges& united) {
   });
 }
 
-void apply(GltfEdit& edit, const std::vector<GltfTarget>& targets, const std::vector<GltfDemands>& demands) {
+void apply(GltfEdit& edit, const std::vector<GltfTarget>& targets, const std::vector<GltfDemands>& demands,
+           const Context& context) {
   std::map<std::size_t, std::vector<PlacedDemand>> by_accessor;
   for (const GltfTarget& target : targets)
     for (const GltfDemand& demand : demands[target.instance])
@@ -190,8 +197,10 @@ void apply(GltfEdit& edit, const std::vector<GltfTarget>& targets, const std::ve
     for (const PlacedDemand& one : placed)
       own_references += references_in(edit.json["meshes"][one.mesh], *one.demand);
     GltfChanges united;
-    const bool in_place = unite(placed, united) && own_references == usage.references(accessor_index) &&
+    const bool in_place = unite(placed, united, context) &&
+                          own_references == usage.references(accessor_index) &&
                           !usage.shares_bytes(accessor_index) && GltfEdit::can_store(accessor, united);
+    context.throw_if_stopped();
     if (in_place) {
       edit.store(accessor_index, united);
       continue;
@@ -229,7 +238,8 @@ Written write_gltf(const Mesh& mesh, const std::filesystem::path& path, const Wr
     if (options.morph_target)
       add_morph_target(edit, targets, demands, options.morph_target->name);
     else
-      apply(edit, targets, demands);
+      apply(edit, targets, demands, context);
+    context.throw_if_stopped();
     return edit.finish(path);
   } catch (const Json::exception&) {
     // The reader ignores animations, skins and images, so they may have any type.

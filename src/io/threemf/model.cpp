@@ -14,6 +14,8 @@
 #include <meshgraft/mesh/mesh.h>
 
 #include "core/facts.h"
+#include "core/sparse_checks.h"
+#include "mesh/edge_table.h"
 #include "threemf/facts.h"
 
 namespace meshgraft::io {
@@ -22,6 +24,8 @@ namespace {
 
 constexpr std::array<std::string_view, 6> units = {"micron", "millimeter", "centimeter",
                                                    "inch",   "foot",       "meter"};
+
+constexpr unsigned triangles_per_check = 1024;  // each takes several calls of lib3mf
 
 /// Owns a reference to one of lib3mf's objects.
 template <class T>
@@ -67,7 +71,7 @@ class Session {
 
   /// A progress callback for lib3mf. Returning false asks lib3mf to stop.
   static bool go_on(int, NMR::ProgressIdentifier, void* context) {
-    return !static_cast<const Context*>(context)->stop_token.stop_requested();
+    return !is_stop_requested(*static_cast<const Context*>(context));
   }
 
  private:
@@ -174,7 +178,9 @@ class Reader {
     session_.require(NMR::lib3mf_meshobject_createpropertyhandler(mesh, properties.receive()), mesh);
     session_.require(NMR::lib3mf_object_createdefaultpropertyhandler(mesh, fallback.receive()), mesh);
     const auto count = static_cast<DWORD>(object.triangles.size());
+    SparseChecks check(session_.context(), triangles_per_check);
     for (DWORD t = 0; t < count; ++t) {
+      check();
       NMR::eModelPropertyType type{};
       if (NMR::lib3mf_propertyhandler_getpropertytype(properties.get(), t, &type) != LIB3MF_OK) return;
       if (type == NMR::MODELPROPERTYTYPE_BASEMATERIALS) {
@@ -353,7 +359,9 @@ class Writer {
                                            reinterpret_cast<NMR::MODELMESHTRIANGLE*>(triangles.data()),
                                            static_cast<DWORD>(triangles.size())),
         mesh.get());
-    set_type(mesh.get());
+    session_.context().throw_if_stopped();
+    set_type(mesh.get(), object);
+    session_.context().throw_if_stopped();
     add_properties(mesh.get(), object);
     Handle<NMR::PLib3MFModelBuildItem> item;
     session_.require(NMR::lib3mf_model_addbuilditem(session_.model(), mesh.get(), nullptr, item.receive()),
@@ -362,11 +370,24 @@ class Writer {
   }
 
   // Sets the object's type. A closed mesh is a solid, an open one is a surface.
-  void set_type(NMR::PLib3MFModelMeshObject* mesh) const {
-    BOOL closed = 0;
-    session_.require(NMR::lib3mf_meshobject_ismanifoldandoriented(mesh, &closed), mesh);
+  void set_type(NMR::PLib3MFModelMeshObject* mesh, const ThreemfModel::Object& object) const {
+    const bool closed = is_closed(object);
     const DWORD type = closed ? NMR::MODELOBJECTTYPE_MODEL : NMR::MODELOBJECTTYPE_SURFACE;
     session_.require(NMR::lib3mf_object_settype(mesh, type), mesh);
+  }
+
+  // Returns whether each edge has one triangle on either side, and the two run along it in opposite directions.
+  bool is_closed(const ThreemfModel::Object& object) const {
+    Faces faces;
+    faces.reserve(static_cast<Index>(object.triangles.size()), static_cast<Index>(3 * object.triangles.size()));
+    for (const auto& [a, b, c] : object.triangles)
+      faces.push_back(std::array{static_cast<Index>(a), static_cast<Index>(b), static_cast<Index>(c)});
+    const EdgeTable table(static_cast<Index>(object.vertices.size()), faces, session_.context());
+    for (Index e = 0; e < table.edge_count(); ++e) {
+      const auto along = table.half_edges[e];
+      if (along.size() != 2 || faces.corners()[along[0]] == faces.corners()[along[1]]) return false;
+    }
+    return table.edge_count() > 0 && table.usable_faces == faces.size();
   }
 
   void add_properties(NMR::PLib3MFModelMeshObject* mesh, const ThreemfModel::Object& object) const {
@@ -387,7 +408,9 @@ class Writer {
           NMR::lib3mf_defaultpropertyhandler_setbasematerial(fallback.get(), material_group_, first),
           fallback.get());
     }
+    SparseChecks check(session_.context(), triangles_per_check);
     for (std::size_t t = 0; t < object.triangles.size(); ++t) {
+      check();
       const auto triangle = static_cast<DWORD>(t);
       if (!object.materials.empty() && object.materials[t] != ThreemfModel::none) {
         session_.require(

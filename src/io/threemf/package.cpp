@@ -11,6 +11,7 @@
 #include <meshgraft/core/error.h>
 
 #include "core/facts.h"
+#include "core/sparse_checks.h"
 #include "threemf/facts.h"
 
 namespace meshgraft::io {
@@ -26,7 +27,7 @@ std::string message_of(zip_error_t& error) {
 /// An archive in memory. Closing it writes the changes to the same source.
 class Archive {
  public:
-  Archive(std::string_view bytes, int flags) {
+  Archive(std::string_view bytes, int flags, const Context& context) : context_(context) {
     zip_error_t error;
     zip_error_init(&error);
     // libzip owns and frees this copy. When an archive is changed, its source frees the given bytes in any
@@ -42,6 +43,7 @@ class Archive {
       throw Error(facts::threemf::NotZip{.reason = message_of(error)});
     }
     zip_source_keep(source_);
+    zip_register_cancel_callback_with_state(archive_, &is_stopped, nullptr, const_cast<Context*>(&context_));
   }
   Archive(const Archive&) = delete;
   Archive& operator=(const Archive&) = delete;
@@ -53,7 +55,10 @@ class Archive {
   zip_t* get() const { return archive_; }
 
   std::string close() {
-    if (zip_close(archive_) != 0) throw Error(facts::threemf::WriteFailed{.reason = zip_strerror(archive_)});
+    if (zip_close(archive_) != 0) {
+      context_.throw_if_stopped();
+      throw Error(facts::threemf::WriteFailed{.reason = zip_strerror(archive_)});
+    }
     archive_ = nullptr;
     zip_stat_t status;
     std::string bytes;
@@ -68,6 +73,12 @@ class Archive {
   }
 
  private:
+  // Asked by libzip while it writes. A result other than 0 makes `zip_close` fail.
+  static int is_stopped(zip_t*, void* context) {
+    return is_stop_requested(*static_cast<const Context*>(context)) ? 1 : 0;
+  }
+
+  const Context& context_;
   zip_source_t* source_ = nullptr;
   zip_t* archive_ = nullptr;
 };
@@ -88,7 +99,8 @@ void require_plausible(const zip_stat_t& entry, const std::string& location) {
                 Location::file(location));
 }
 
-std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& location) {
+std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::string& location,
+                       const Context& context) {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen_index(archive, entry.index, 0),
                                                                &zip_fclose);
   if (!file)
@@ -98,6 +110,7 @@ std::string read_entry(zip_t* archive, const zip_stat_t& entry, const std::strin
   std::string content;
   content.reserve(entry.size + piece);
   for (;;) {
+    context.throw_if_stopped();
     const std::size_t size = content.size();
     content.resize(size + piece);
     const zip_int64_t got = zip_fread(file.get(), content.data() + size, piece);
@@ -119,10 +132,10 @@ zip_stat_t stat_of(zip_t* archive, zip_uint64_t index) {
 
 }  // namespace
 
-std::vector<PackagePart> model_parts(std::string_view package, const std::string& name,
-                                     MemoryBudget& budget) try {
+std::vector<PackagePart> model_parts(std::string_view package, const std::string& name, MemoryBudget& budget,
+                                     const Context& context) try {
   budget.charge(package.size());
-  const Archive archive(package, ZIP_RDONLY);
+  const Archive archive(package, ZIP_RDONLY, context);
   const auto count = static_cast<zip_uint64_t>(zip_get_num_entries(archive.get(), 0));
   std::vector<zip_stat_t> models;
   std::uint64_t text = 0;
@@ -137,16 +150,17 @@ std::vector<PackagePart> model_parts(std::string_view package, const std::string
   budget.require(text);  // what the text becomes takes more than itself
   std::vector<PackagePart> parts;
   for (const zip_stat_t& entry : models)
-    parts.push_back({entry.name, read_entry(archive.get(), entry, entry.name)});
+    parts.push_back({entry.name, read_entry(archive.get(), entry, entry.name, context)});
   if (parts.empty()) throw Error(facts::threemf::NoModel{});
   budget.release(package.size());
   return parts;
 } catch (const Error& error) {
-  throw error.within(Location::file(name));
+  throw error.code() == ErrorCode::cancelled ? error : error.within(Location::file(name));
 }
 
-std::string with_parts(std::string_view package, const std::vector<PackagePart>& parts) {
-  Archive archive(package, 0);
+std::string with_parts(std::string_view package, const std::vector<PackagePart>& parts,
+                       const Context& context) {
+  Archive archive(package, 0, context);
   for (const PackagePart& part : parts) {
     const zip_int64_t index = zip_name_locate(archive.get(), part.name.c_str(), 0);
     zip_stat_t old;

@@ -260,10 +260,11 @@ Mesh read_threemf(std::string content, const std::string& name, MemoryBudget& bu
   auto document = std::make_shared<ThreemfDocument>();
   document->path = name;
   document->package = std::move(content);
-  document->parts = model_parts(document->package, name, budget);
+  document->parts = model_parts(document->package, name, budget, context);
   context.step("read", 0.2);
   for (const PackagePart& part : document->parts) {
-    document->scanned.push_back(scan_part(part.content, fmt::format("{}, {}", name, part.name), budget));
+    document->scanned.push_back(
+        scan_part(part.content, fmt::format("{}, {}", name, part.name), budget, context));
     context.throw_if_stopped();
   }
   require_sensible_build(*document, name);
@@ -278,7 +279,9 @@ Mesh read_threemf(std::string content, const std::string& name, MemoryBudget& bu
   for (const ThreemfModel::Placement& placement : model.placements) used[placement.object] = true;
   document->unplaced = static_cast<std::size_t>(std::ranges::count(used, false));
 
+  context.throw_if_stopped();
   Mesh mesh = Assembler(model, *document, budget).assemble();
+  context.throw_if_stopped();
   document->remember_topology(mesh);
   mesh.source = std::move(document);
   return mesh;

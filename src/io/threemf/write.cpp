@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/sparse_checks.h"
 #include "document.h"
 #include "io/facts.h"
 #include "io/number_text.h"
@@ -63,7 +64,8 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
 
 /// Returns the part with new coordinates in its vertex tags.
 std::string rewritten(std::string_view xml, const std::vector<ThreemfVertices>& meshes,
-                      const std::vector<const Points*>& positions) {
+                      const std::vector<const Points*>& positions, const Context& context) {
+  SparseChecks check(context);
   std::string out;
   out.reserve(xml.size() + xml.size() / 4);
   std::size_t copied = 0;
@@ -71,6 +73,7 @@ std::string rewritten(std::string_view xml, const std::vector<ThreemfVertices>& 
     if (positions[m] == nullptr) continue;
     const ThreemfVertices& old = meshes[m];
     for (std::size_t v = 0; v < old.tag_begin.size(); ++v) {
+      check();
       const auto row = static_cast<Eigen::Index>(v);
       if (old.positions.row(row) == positions[m]->row(row)) continue;
       out.append(xml, copied, old.tag_begin[v] - copied);
@@ -83,16 +86,17 @@ std::string rewritten(std::string_view xml, const std::vector<ThreemfVertices>& 
   return out;
 }
 
-std::string patch(const ThreemfDocument& document, const std::vector<Points>& positions) {
+std::string patch(const ThreemfDocument& document, const std::vector<Points>& positions,
+                  const Context& context) {
   std::vector<PackagePart> changed;
   for (std::size_t p = 0; p < document.parts.size(); ++p) {
     std::vector<const Points*> of_mesh(document.scanned[p].meshes.size(), nullptr);
     for (std::size_t k = 0; k < positions.size(); ++k)
       if (document.sources[k].part == p) of_mesh[document.sources[k].mesh] = &positions[k];
-    std::string text = rewritten(document.parts[p].content, document.scanned[p].meshes, of_mesh);
+    std::string text = rewritten(document.parts[p].content, document.scanned[p].meshes, of_mesh, context);
     if (text != document.parts[p].content) changed.push_back({document.parts[p].name, std::move(text)});
   }
-  return changed.empty() ? document.package : with_parts(document.package, changed);
+  return changed.empty() ? document.package : with_parts(document.package, changed, context);
 }
 
 /// Composes a new package with one object per value of the attribute "object".
@@ -103,7 +107,9 @@ class ThreemfComposer {
   Written compose() {
     choose_unit();
     choose_properties();
+    context_.throw_if_stopped();
     split_into_objects();
+    context_.throw_if_stopped();
     Written written{write_threemf_model(model_, context_)};
     restore_digits(written.content);
     written.notes = left_out_notes(mesh_);
@@ -138,17 +144,23 @@ class ThreemfComposer {
 
   void split_into_objects() {
     const Triangulation pieces = triangulate(mesh_);
+    SparseChecks check(context_);
     std::map<double, std::vector<Eigen::Index>> triangles_of;
     for (Eigen::Index t = 0; t < pieces.triangles.rows(); ++t) {
+      check();
       const Index face = pieces.face[t];
       const bool has_none = object_ == nullptr || std::isnan(object_->values[face]);
       triangles_of[has_none ? -1 : object_->values[face]].push_back(t);
     }
     for (const auto& [value, triangles] : triangles_of) {
-      context_.throw_if_stopped();
       model_.objects.emplace_back().name = name_of(value);
+      context_.throw_if_stopped();
       add_vertices(pieces, triangles);
-      for (const Eigen::Index t : triangles) add_triangle(pieces.triangles.row(t), pieces.face[t]);
+      context_.throw_if_stopped();
+      for (const Eigen::Index t : triangles) {
+        check();
+        add_triangle(pieces.triangles.row(t), pieces.face[t]);
+      }
     }
   }
 
@@ -216,13 +228,13 @@ class ThreemfComposer {
   // Restores the digits of coordinates. lib3mf writes six decimals, which would flatten a small model.
   void restore_digits(std::string& package) const {
     MemoryBudget unlimited(std::numeric_limits<std::uint64_t>::max());  // the package is our own
-    std::vector<PackagePart> parts = model_parts(package, {}, unlimited);
+    std::vector<PackagePart> parts = model_parts(package, {}, unlimited, context_);
     PackagePart& part = parts.front();
-    const std::vector<ThreemfVertices> written = scan_part(part.content, part.name, unlimited).meshes;
+    const std::vector<ThreemfVertices> written = scan_part(part.content, part.name, unlimited, context_).meshes;
     std::vector<const Points*> positions;
     for (const Points& points : positions_) positions.push_back(&points);
-    part.content = rewritten(part.content, written, positions);
-    package = with_parts(package, {part});
+    part.content = rewritten(part.content, written, positions, context_);
+    package = with_parts(package, {part}, context_);
   }
 
   void note_losses(std::vector<Note>& notes) const {
@@ -258,7 +270,8 @@ Written write_threemf(const Mesh& mesh, const std::filesystem::path&, const Writ
   const bool unchanged = document != nullptr && document->has_topology_of(mesh);
   if (!unchanged) return ThreemfComposer(mesh, context).compose();
   if (!document->sources.empty())
-    if (const auto positions = object_positions(*document, mesh)) return {patch(*document, *positions)};
+    if (const auto positions = object_positions(*document, mesh))
+      return {patch(*document, *positions, context)};
   Written written = ThreemfComposer(mesh, context).compose();
   written.notes.push_back(document->sources.empty() ? Note(facts::threemf::MeshesAlike{})
                                                     : Note(facts::threemf::CopiesEditedApart{}));

@@ -36,9 +36,10 @@ class PartScanner {
     XML_SetStartDoctypeDeclHandler(parser_.get(), &doctype);
   }
 
-  ThreemfPart scan() {
-    constexpr std::size_t piece = std::size_t{1} << 28;  // expat takes the size as an int
+  ThreemfPart scan(const Context& context) {
+    constexpr std::size_t piece = std::size_t{1} << 20;
     for (std::size_t at = 0; at <= xml_.size(); at += piece) {
+      context.throw_if_stopped();
       const std::string_view text = xml_.substr(at, piece);
       const bool last = at + piece > xml_.size();
       const XML_Status status = XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), last);
@@ -172,8 +173,9 @@ std::string_view value_in(std::string_view tag, std::string_view attribute) {
 
 }  // namespace
 
-ThreemfPart scan_part(std::string_view xml, const std::string& location, MemoryBudget& budget) {
-  return PartScanner(xml, location, budget).scan();
+ThreemfPart scan_part(std::string_view xml, const std::string& location, MemoryBudget& budget,
+                      const Context& context) {
+  return PartScanner(xml, location, budget).scan(context);
 }
 
 bool has_utf16_mark(std::string_view xml) { return xml.starts_with("\xFF\xFE") || xml.starts_with("\xFE\xFF"); }

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 
 #include "core/memory_budget.h"
@@ -36,7 +37,8 @@ struct ThreemfPart {
 /// Parses a part. `location` names it in messages. Throws Error(input) with the line if the text is not
 /// well-formed XML (threemf.not_xml), has a document type (threemf.has_document_type), or lacks a coordinate or
 /// has a malformed one. Charges what it returns.
-ThreemfPart scan_part(std::string_view xml, const std::string& location, MemoryBudget& budget);
+ThreemfPart scan_part(std::string_view xml, const std::string& location, MemoryBudget& budget,
+                      const Context& context);
 
 /// Returns whether the part begins with the mark of UTF-16. Its tags can then not be rewritten byte by byte.
 bool has_utf16_mark(std::string_view xml);

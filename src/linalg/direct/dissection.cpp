@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bipartite_matching.h"
+#include "core/sparse_checks.h"
 #include "graph_partition.h"
 
 namespace meshgraft {
@@ -91,7 +92,9 @@ Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const 
 
   // Collects the entries that cross the cuts of each level.
   std::vector<std::vector<Crossing>> crossings(levels);
+  SparseChecks check(context);
   for (int column = 0; column < static_cast<int>(count); ++column) {
+    check();
     for (NormalMatrix::InnerIterator entry(lower, column); entry; ++entry) {
       const auto row = static_cast<int>(entry.row());
       if (part[row] == part[column] || part[row] < 0 || part[column] < 0) continue;

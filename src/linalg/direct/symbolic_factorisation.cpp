@@ -3,12 +3,14 @@
 #include <camd.h>
 
 #include <algorithm>
+#include <memory>
 #include <new>
 #include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 
 namespace meshgraft {
 
@@ -40,7 +42,8 @@ LowerEntries permute(const NormalMatrix& lower, std::span<const int> inverse_per
     share_out(
         count,
         [&](int first, int last) {
-          for (Eigen::Index column = 0; column < lower.cols(); ++column)
+          SparseChecks check(context);
+          for (Eigen::Index column = 0; column < lower.cols(); ++column, check())
             for (NormalMatrix::InnerIterator it(lower, column); it; ++it) {
               const auto [low, high] = std::minmax(inverse_permutation[it.row()], inverse_permutation[column]);
               if (low >= first && low < last) body(low, high, it.value());
@@ -65,13 +68,17 @@ namespace {
 
 /// Returns for each unknown of a leaf the unknowns of separators with a smaller number that it is coupled
 /// with. These are missing from the leaf's own columns of the lower triangle.
-std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower, const Dissection& dissection) {
+std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower, const Dissection& dissection,
+                                                      const Context& context) {
+  SparseChecks check(context);
   std::vector<std::vector<int>> couplings(lower.cols());
   for (int set = 0; set < dissection.sets(); ++set) {
     if (dissection.is_leaf(set)) continue;
-    for (const int column : dissection.unknowns[set])
+    for (const int column : dissection.unknowns[set]) {
+      check();
       for (NormalMatrix::InnerIterator it(lower, column); it; ++it)
         if (dissection.is_leaf(dissection.set_of[it.row()])) couplings[it.row()].push_back(column);
+    }
   }
   return couplings;
 }
@@ -79,8 +86,16 @@ std::vector<std::vector<int>> couplings_to_separators(const NormalMatrix& lower,
 /// Orders a leaf by minimum degree. Unknowns around it add to the degrees but are not eliminated. `local` is
 /// all -1 before and after.
 void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
-                const std::vector<std::vector<int>>& couplings, std::vector<int>& local) {
-  std::vector<int> around, begin{0}, rows, constraints;
+                const std::vector<std::vector<int>>& couplings, std::vector<int>& local,
+                const Context& context) {
+  // Data that CAMD owns, so that a cancelled caller can leave it behind.
+  struct Camd {
+    std::vector<int> begin{0}, rows, constraints, order;
+    int status = CAMD_OK;
+  };
+  const auto camd = std::make_shared<Camd>();
+  auto& [begin, rows, constraints, order, status] = *camd;
+  std::vector<int> around;
   const auto own = static_cast<int>(leaf.size());
   for (int k = 0; k < own; ++k) local[leaf[k]] = k;
   const auto add = [&](int unknown) {
@@ -103,9 +118,16 @@ void order_leaf(const NormalMatrix& lower, std::vector<int>& leaf,
   begin.resize(count + 1, begin.back());
   constraints.assign(own, 0);
   constraints.resize(count, 1);
-  std::vector<int> order(count);
-  const int status =
-      camd_order(count, begin.data(), rows.data(), order.data(), nullptr, nullptr, constraints.data());
+  order.resize(count);
+  const auto run = [camd, count] {
+    camd->status = camd_order(count, camd->begin.data(), camd->rows.data(), camd->order.data(), nullptr,
+                              nullptr, camd->constraints.data());
+  };
+  constexpr std::size_t many_entries = 100'000;  // some ten milliseconds of work
+  if (rows.size() < many_entries)
+    run();
+  else
+    run_abandonable(run, context);
   if (status == CAMD_OUT_OF_MEMORY) throw std::bad_alloc();
   std::vector<int> ordered;
   for (const int k : order)
@@ -144,11 +166,13 @@ class StampedSet {
 
 /// Returns the fundamental supernodes of the positions first … last−1, eliminated one by one. A position
 /// joins the preceding supernode if it is that supernode's parent and adds no new row.
-std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries,
-                                            StampedSet& seen) {
+std::vector<Supernode> eliminate_one_by_one(int first, int last, const LowerEntries& entries, StampedSet& seen,
+                                            const Context& context) {
   std::vector<Supernode> nodes;
   std::vector<std::vector<int>> children(last - first);
   for (int position = first; position < last; ++position) {
+    constexpr int between_checks = 1024;
+    if (position % between_checks == 0) context.throw_if_stopped();
     const bool follows =
         !nodes.empty() && nodes.back().below() > 0 && nodes.back().parent_position() == position;
     if (!follows) seen.clear();  // else the set holds the rows of the preceding supernode
@@ -234,7 +258,9 @@ std::vector<int> elimination_tree(const NormalMatrix& lower, const std::vector<i
   for (int position = 0; position < count; ++position) backwards[order[position]] = count - 1 - position;
   const LowerEntries rows = permute(lower, backwards, false, context);
   std::vector<int> parent(order.size(), -1), ancestor(order.size(), -1);
+  SparseChecks check(context);
   for (int position = 0; position < count; ++position) {
+    check();
     const int row = count - 1 - position;
     for (std::int64_t e = rows.begin[row]; e < rows.begin[row + 1]; ++e) {
       int node = count - 1 - rows.row[e];
@@ -251,7 +277,9 @@ std::vector<int> elimination_tree(const NormalMatrix& lower, const std::vector<i
 /// Returns the supernodes in postorder, in which every subtree is contiguous. Supernodes of one set may have
 /// parents at different levels, so they are reordered. Rows stay ascending, because a supernode's rows belong
 /// to its ancestors, which keep their order.
-SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const std::vector<int>& order) {
+SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const std::vector<int>& order,
+                               const Context& context) {
+  SparseChecks check(context);
   const auto count = static_cast<int>(nodes.size());
   std::vector<int> node_at(order.size()), parent(nodes.size(), -1);
   for (int node = 0; node < count; ++node)
@@ -272,6 +300,7 @@ SupernodalPattern in_postorder(const std::vector<const Supernode*>& nodes, const
   pattern.first_position.push_back(static_cast<int>(order.size()));
   pattern.rows_begin.push_back(0);
   for (const int node : sequence) {
+    check();
     for (const int row : nodes[node]->rows) pattern.rows.push_back(new_position[row]);
     pattern.rows_begin.push_back(static_cast<std::int64_t>(pattern.rows.size()));
   }
@@ -285,14 +314,14 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissec
   const std::size_t count = lower.cols();
   std::vector<std::vector<int>> ordered = dissection.unknowns;
   {
-    const std::vector<std::vector<int>> couplings = couplings_to_separators(lower, dissection);
+    const std::vector<std::vector<int>> couplings = couplings_to_separators(lower, dissection, context);
     tbb::enumerable_thread_specific<std::vector<int>> locals([&] { return std::vector<int>(count, -1); });
     parallel_blocks(
         ordered.size(),
         [&](std::size_t begin, std::size_t end) {
           for (std::size_t set = begin; set < end; ++set)
             if (dissection.is_leaf(static_cast<int>(set)) && !ordered[set].empty())
-              order_leaf(lower, ordered[set], couplings, locals.local());
+              order_leaf(lower, ordered[set], couplings, locals.local(), context);
         },
         context, 1);
   }
@@ -328,7 +357,7 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissec
             StampedSet& seen = seen_sets.local();
             std::vector<Supernode>& own = nodes[set];
             if (dissection.is_leaf(set)) {
-              own = merge(eliminate_one_by_one(first, last, entries, seen));
+              own = merge(eliminate_one_by_one(first, last, entries, seen, context));
             } else {
               seen.clear();
               for (int p = first; p < last; ++p) seen.add(p);
@@ -360,7 +389,7 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const Dissec
   std::vector<const Supernode*> all;
   for (const std::vector<Supernode>& of_set : nodes)
     for (const Supernode& node : of_set) all.push_back(&node);
-  return in_postorder(all, order);
+  return in_postorder(all, order, context);
 }
 
 SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const std::vector<int>& order,
@@ -372,10 +401,10 @@ SupernodalPattern symbolic_factorisation(const NormalMatrix& lower, const std::v
   const LowerEntries entries = permute(lower, inverse_permutation, false, context);
   StampedSet seen(order.size());
   const std::vector<Supernode> nodes =
-      merge(eliminate_one_by_one(0, static_cast<int>(order.size()), entries, seen));
+      merge(eliminate_one_by_one(0, static_cast<int>(order.size()), entries, seen, context));
   std::vector<const Supernode*> all;
   for (const Supernode& node : nodes) all.push_back(&node);
-  return in_postorder(all, in_tree_order);
+  return in_postorder(all, in_tree_order, context);
 }
 
 }  // namespace meshgraft

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 
 namespace meshgraft {
 
@@ -90,9 +91,11 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
   of_node.assign(count, -1);
   context.throw_if_stopped();
 
+  SparseChecks check(context);
   Ball ball(count);
   std::vector<Index> front;
   for (Index node = 0; node < count; ++node) {
+    check();
     if (left_out[node] || of_node[node] >= 0 || !ball.grow(node, radius, neighbours, of_node)) continue;
     for (const Index member : ball.nodes) of_node[member] = result.count;
     front.insert(front.end(), ball.nodes.begin(), ball.nodes.end());
@@ -104,12 +107,14 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
   // one, or farther beyond nodes with very many neighbours.
   for (std::vector<Index> next; !front.empty(); front.swap(next)) {
     next.clear();
-    for (const Index node : front)
+    for (const Index node : front) {
+      check();
       for (const Index other : neighbours[node])
         if (of_node[other] < 0) {
           of_node[other] = of_node[node];
           next.push_back(other);
         }
+    }
   }
   // Groups the connected components that have no room for a ball.
   constexpr std::size_t enough = 50;
@@ -131,6 +136,7 @@ Aggregates aggregate(const IndexLists& neighbours, std::span<const std::uint8_t>
 Blending blend(const IndexLists& neighbours, const Aggregates& aggregates, int passes, const Context& context) {
   const std::size_t count = neighbours.size();
   std::vector<Membership> members(count), averaged(count);
+  context.throw_if_stopped();
   for (std::size_t node = 0; node < count; ++node)
     if (aggregates.of_node[node] >= 0) {
       members[node].count = 1;
@@ -156,7 +162,9 @@ Blending blend(const IndexLists& neighbours, const Aggregates& aggregates, int p
 
   Blending result;
   result.aggregates.offsets.reserve(count + 1);
+  SparseChecks check(context);
   for (const Membership& membership : members) {
+    check();
     const auto kept = static_cast<std::ptrdiff_t>(membership.count);
     result.aggregates.values.insert(result.aggregates.values.end(), membership.aggregate.begin(),
                                     membership.aggregate.begin() + kept);

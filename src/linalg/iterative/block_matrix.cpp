@@ -9,6 +9,7 @@
 #include <meshgraft/core/error.h>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 #include "linalg/facts.h"
 
 // The loops below gain from the processor's widest registers, but the library is built for any processor.
@@ -24,6 +25,17 @@ namespace meshgraft {
 namespace {
 
 constexpr int columns = 4;
+
+/// Makes `count` zeros, piece by piece: the first access to a gigabyte takes a quarter of a second.
+void set_zero(std::vector<double>& values, std::size_t count, const Context& context) {
+  constexpr std::size_t piece = std::size_t{1} << 23;
+  values.clear();
+  values.reserve(count);
+  while (values.size() < count) {
+    context.throw_if_stopped();
+    values.resize(std::min(count, values.size() + piece), 0.0);
+  }
+}
 
 /// The arrays of the matrix that a sweep reads.
 struct Rows {
@@ -148,8 +160,8 @@ class BlockMatrixOf final : public BlockMatrix {
 
   void set_values(const NormalMatrix& lower, const Context& context) override {
     const std::vector<int>& row = order_.nodes.row;
-    blocks_.assign(order_.before_by_block.values.size() * block_size, 0.0);
-    entries_.assign(order_.before_by_entry.values.size(), 0.0);
+    set_zero(blocks_, order_.before_by_block.values.size() * block_size, context);
+    set_zero(entries_, order_.before_by_entry.values.size(), context);
     diagonal_.assign(order_.nodes.count * block_size, 0.0);
     parallel_blocks(
         lower.cols(),
@@ -164,7 +176,7 @@ class BlockMatrixOf final : public BlockMatrix {
         context, 2048);
     for (std::size_t r = 0; r < order_.nodes.unknown.size(); ++r)
       if (order_.nodes.unknown[r] < 0) diagonal_[r / width * block_size + r % width * (width + 1)] = 1;
-    invert_diagonal(lower.rows());
+    invert_diagonal(lower.rows(), context);
   }
 
   void multiply(const FourColumns& x, FourColumns& y, const Context& context) const override {
@@ -282,9 +294,11 @@ class BlockMatrixOf final : public BlockMatrix {
     double *block_ = nullptr, *entry_ = nullptr;
   };
 
-  void invert_diagonal(Eigen::Index unknowns) {
+  void invert_diagonal(Eigen::Index unknowns, const Context& context) {
+    SparseChecks check(context);
     diagonal_inverse_.resize(diagonal_.size());
     for (Index node = 0; node < order_.nodes.count; ++node) {
+      check();
       const Block block = Eigen::Map<const Block>(&diagonal_[node * block_size]);
       const Eigen::LLT<Block> cholesky(block);
       if (cholesky.info() != Eigen::Success)

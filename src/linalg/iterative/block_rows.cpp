@@ -7,6 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 
 namespace meshgraft {
 
@@ -55,6 +56,7 @@ IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Co
   std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
   lists.values.reserve(lists.offsets.back());
   for (auto& block : values) {
+    context.throw_if_stopped();
     lists.values.insert(lists.values.end(), block.begin(), block.end());
     block = {};
   }
@@ -69,10 +71,11 @@ Index node_of(Coupling coupling) { return coupling / 2; }
 bool by_block(Coupling coupling) { return coupling % 2 != 0; }
 
 /// Returns the couplings extended so that j has i wherever i has j.
-IndexLists symmetric(const IndexLists& half) {
+IndexLists symmetric(const IndexLists& half, const Context& context) {
+  SparseChecks check(context);
   IndexLists whole;
   whole.offsets.assign(half.offsets.size(), 0);
-  for (Index i = 0; i < half.size(); ++i)
+  for (Index i = 0; i < half.size(); ++i, check())
     for (const Coupling other : half[i]) {
       ++whole.offsets[i + 1];
       ++whole.offsets[node_of(other) + 1];
@@ -80,7 +83,7 @@ IndexLists symmetric(const IndexLists& half) {
   std::partial_sum(whole.offsets.begin(), whole.offsets.end(), whole.offsets.begin());
   whole.values.resize(2 * half.values.size());
   std::vector<Index> end(whole.offsets.begin(), whole.offsets.end() - 1);
-  for (Index i = 0; i < half.size(); ++i)
+  for (Index i = 0; i < half.size(); ++i, check())
     for (const Coupling other : half[i]) {
       whole.values[end[i]++] = other;
       whole.values[end[node_of(other)]++] = coupling(i, by_block(other));
@@ -137,7 +140,7 @@ IndexLists matrix_couplings(const NormalMatrix& lower, const BlockRows& nodes, c
         }
       },
       context);
-  return symmetric(half);
+  return symmetric(half, context);
 }
 
 /// Breadth-first layers, one connected component after another. Entries couple only nodes of the same or
@@ -147,7 +150,8 @@ struct Layers {
   std::vector<Index> begin{0};  ///< per layer: its first index in `order`; one more at the end
 };
 
-Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings) {
+Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings, const Context& context) {
+  SparseChecks check(context);
   Layers layers;
   layers.order.reserve(couplings.size());
   Flags seen(couplings.size(), 0);
@@ -156,7 +160,7 @@ Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings
     layers.order.push_back(start);
     while (layers.begin.back() < static_cast<Index>(layers.order.size())) {
       const auto end = static_cast<Index>(layers.order.size());
-      for (Index k = layers.begin.back(); k < end; ++k)
+      for (Index k = layers.begin.back(); k < end; ++k, check())
         for (const Coupling other : couplings[layers.order[k]])
           if (!std::exchange(seen[node_of(other)], 1)) layers.order.push_back(node_of(other));
       layers.begin.push_back(end);
@@ -166,11 +170,11 @@ Layers layers_from(const std::vector<Index>& starts, const IndexLists& couplings
 }
 
 /// Makes layers from a peripheral node of each connected component, so that they are many and small.
-Layers long_layers(const IndexLists& couplings) {
+Layers long_layers(const IndexLists& couplings, const Context& context) {
   std::vector<Index> starts(couplings.size());
   std::iota(starts.begin(), starts.end(), 0);
-  const Layers first = layers_from(starts, couplings);
-  return layers_from({first.order.rbegin(), first.order.rend()}, couplings);
+  const Layers first = layers_from(starts, couplings, context);
+  return layers_from({first.order.rbegin(), first.order.rend()}, couplings, context);
 }
 
 /// Makes strips with about the same number of nodes. A strip has at least two layers, so that the odd strips
@@ -291,13 +295,15 @@ NodeOrder order_nodes(const NormalMatrix& lower, const OrderingGraph& graph, con
   NodeOrder result;
   BlockRows& nodes = result.nodes;
   nodes = gather(static_cast<Index>(lower.rows()), graph);
+  context.throw_if_stopped();
   const IndexLists coupled = matrix_couplings(lower, nodes, context);
   if (graph.neighbours == nullptr) share_hubs(coupled, nodes);
-  const Layers layers = long_layers(coupled);
+  const Layers layers = long_layers(coupled, context);
   result.strips = make_strips(layers);
   std::vector<Index> number(layers.order.size());
   for (std::size_t k = 0; k < layers.order.size(); ++k) number[layers.order[k]] = static_cast<Index>(k);
   renumber(nodes, number, graph);
+  context.throw_if_stopped();
 
   Flags odd(nodes.count, 0);
   for (Index strip = 1; strip < result.strips.size(); strip += 2)

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/parallel.h"
+#include "core/sparse_checks.h"
 
 namespace meshgraft {
 
@@ -29,8 +30,11 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
   const Aggregates aggregates = aggregate(order.neighbours, order.nodes.shared, radius, context);
   blending_ = blend(order.neighbours, aggregates, 2 * radius, context);
   count_ = first_shared_ = aggregates.count;
+  context.throw_if_stopped();
   choose_bases(aggregates);
+  context.throw_if_stopped();
   add_shared_unknowns();
+  context.throw_if_stopped();
 
   members_.offsets.assign(count_ + 1, 0);
   for (const Index a : blending_.aggregates.values) ++members_.offsets[a + 1];
@@ -38,7 +42,8 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
   members_.values.resize(blending_.weight.size());
   member_weight_.resize(blending_.weight.size());
   std::vector<Index> end(members_.offsets.begin(), members_.offsets.end() - 1);
-  for (Index node = 0; node < order.nodes.count; ++node)
+  SparseChecks check(context);
+  for (Index node = 0; node < order.nodes.count; ++node, check())
     for (Index k = blending_.aggregates.offsets[node]; k < blending_.aggregates.offsets[node + 1]; ++k) {
       const Index at = end[blending_.aggregates.values[k]]++;
       members_.values[at] = node;
@@ -209,6 +214,7 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
   BlockLists rows(count_);
   std::vector<std::int64_t> entries(count_, 0);  // per column of blocks
   for (Index a = 0; a < count_; ++a) {
+    context.throw_if_stopped();
     std::vector<BlockEntry>& row = rows[a];
     for (BlockLists& of_part : sums) {
       row.insert(row.end(), of_part[a].begin(), of_part[a].end());

@@ -69,7 +69,9 @@ class IterativeSolver final : public LinearSolver {
     context.step("analyse", 0.6);
     matrix_ = make_block_matrix(order_);
     coarse_space_.emplace(order_, context);
+    context.throw_if_stopped();
     coarse_neighbours_ = coarse_space_->coarse_neighbours();
+    context.throw_if_stopped();
     statistics_ = {};
     statistics_.backend = SolverBackend::iterative;
     statistics_.unknowns = lower.rows();

@@ -11,6 +11,7 @@
 #include <meshgraft/core/error.h>
 
 #include "core/facts.h"
+#include "core/sparse_checks.h"
 #include "cut_snap.h"
 #include "drawn_cut.h"
 #include "mesh/disjoint_sets.h"
@@ -98,13 +99,21 @@ std::vector<Side> face_sides(const Faces& faces, const EdgeTable& table, std::sp
 // Draws the cut into the faces; all crossed faces must be triangles.
 class Drawing {
  public:
-  Drawing(const TracedFaces& coarse, std::span<const double> values, DrawnCut& out)
-      : coarse_(coarse), values_(values), out_(out), table_(static_cast<Index>(values.size()), coarse.faces) {}
+  Drawing(const TracedFaces& coarse, std::span<const double> values, DrawnCut& out, const Context& context)
+      : coarse_(coarse),
+        values_(values),
+        out_(out),
+        context_(context),
+        table_(static_cast<Index>(values.size()), coarse.faces, context) {}
 
   void run() {
     insert_vertices();
+    context_.throw_if_stopped();
     const std::vector<Side> side = face_sides(coarse_.faces, table_, values_);
+    context_.throw_if_stopped();
+    SparseChecks check(context_);
     for (Index f = 0; f < coarse_.faces.size(); ++f) {
+      check();
       if (is_crossed(coarse_.faces[f], values_)) {
         split(f);
       } else {
@@ -112,6 +121,7 @@ class Drawing {
         add(coarse_.faces[f], {coarse_.corner_origin.data() + first, coarse_.faces[f].size()}, f, side[f]);
       }
     }
+    context_.throw_if_stopped();
     mark_sides();
   }
 
@@ -200,7 +210,8 @@ class Drawing {
 
   void mark_sides() {
     const Faces& faces = out_.faces.faces;
-    const EdgeTable table(static_cast<Index>(out_.origin.size()), faces);
+    const EdgeTable table(static_cast<Index>(out_.origin.size()), faces, context_);
+    context_.throw_if_stopped();
     std::vector<Side> side;
     for (Index f = 0; f < faces.size(); ++f) side.insert(side.end(), faces[f].size(), out_.face_side[f]);
     out_.side.assign(side.size(), 0);
@@ -216,6 +227,7 @@ class Drawing {
   const TracedFaces& coarse_;
   std::span<const double> values_;
   DrawnCut& out_;
+  const Context& context_;
   const EdgeTable table_;
   std::vector<Index> middle_;  // per edge: the vertex inserted on it, or -1
 };
@@ -239,21 +251,24 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
   context.step("cut", 0);
   const TracedFaces coarse =
       triangulate_chosen(mesh, [&](Index f) { return is_crossed(mesh.faces[f], values); });
+  context.throw_if_stopped();
   std::vector<double> rounded(values.begin(), values.end());
   round_to_ends(coarse.faces, mesh.positions, rounded);
 
+  context.throw_if_stopped();
   DrawnCut cut;
   cut.positions = mesh.positions;
   for (Index v = 0; v < mesh.vertex_count(); ++v) cut.origin.push_back(same(v));
   context.step("cut", 0.2);
-  if (options.snap > 0) snap_to_cut(coarse.faces, options.snap, cut.positions, cut.origin, rounded);
+  if (options.snap > 0) snap_to_cut(coarse.faces, options.snap, cut.positions, cut.origin, rounded, context);
   context.step("cut", 0.4);
-  Drawing(coarse, rounded, cut).run();
+  Drawing(coarse, rounded, cut, context).run();
   if (std::all_of(cut.side.begin(), cut.side.end(), [](Side side) { return side == 0; }))
     throw Error(facts::mesh::NothingCut{});
   for (const double value : rounded) cut.vertex_side.push_back(value > 0 ? 1 : -1);
   context.step("cut", 0.6);
   cut.normals = whole_normals(mesh, cut);
+  context.throw_if_stopped();
   CutResult result = separate(mesh, cut, options.keep, context);
   context.step("cut", 1);
   return result;

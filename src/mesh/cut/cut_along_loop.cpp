@@ -9,6 +9,7 @@
 #include <meshgraft/mesh/cut.h>
 
 #include "core/facts.h"
+#include "core/sparse_checks.h"
 #include "cut_snap.h"
 #include "drawn_cut.h"
 #include "mesh/disjoint_sets.h"
@@ -51,9 +52,10 @@ class LoopCut {
       : mesh_(mesh),
         stations_(vertices),
         coarse_(triangulate_chosen(mesh, [](Index) { return true; })),
-        table_(mesh.vertex_count(), coarse_.faces),
+        table_(mesh.vertex_count(), coarse_.faces, context),
         context_(context) {
     for (Index f = 0; f < coarse_.faces.size(); ++f) face_.insert(face_.end(), coarse_.faces[f].size(), f);
+    context.throw_if_stopped();
     cut_.positions = mesh.positions;
     for (Index v = 0; v < mesh.vertex_count(); ++v) cut_.origin.push_back(same(v));
   }
@@ -66,11 +68,14 @@ class LoopCut {
     if (options.snap > 0) snap(options.snap);
     number_points();
     draw_chords();
+    context_.throw_if_stopped();
     split_faces();
     context_.step("cut", 0.6);
     mark_sides(options.keep);
     cut_.vertex_side.assign(mesh_.vertex_count(), 0);
+    context_.throw_if_stopped();
     cut_.normals = whole_normals(mesh_, cut_);
+    context_.throw_if_stopped();
     return separate(mesh_, cut_, options.keep, context_);
   }
 
@@ -362,17 +367,20 @@ class LoopCut {
 
   void mark_sides(CutKeep keep) {
     const Faces& faces = cut_.faces.faces;
-    const EdgeTable table(static_cast<Index>(cut_.origin.size()), faces);
+    const EdgeTable table(static_cast<Index>(cut_.origin.size()), faces, context_);
     std::vector<Index> face_of;
     for (Index f = 0; f < faces.size(); ++f) face_of.insert(face_of.end(), faces[f].size(), f);
     cut_.side.assign(faces.corner_count(), 0);
+    SparseChecks check(context_);
     for (Index c = 0; c < faces.corner_count(); ++c) {
+      check();
       if (table.next[c] < 0) continue;
       const Index a = faces.corners()[c], b = faces.corners()[table.next[c]];
       cut_.side[c] = static_cast<Side>(run_.contains({a, b}) - run_.contains({b, a}));
     }
     DisjointSets components(faces.size());
     for (Index e = 0; e < table.edge_count(); ++e) {
+      check();
       const auto along = table.half_edges[e];
       for (std::size_t k = 1; k < along.size(); ++k)
         if (cut_.side[along[0]] == 0) components.unite(face_of[along[0]], face_of[along[k]]);

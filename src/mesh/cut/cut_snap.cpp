@@ -24,17 +24,20 @@ struct Move {
 
 class Snap {
  public:
-  Snap(const Faces& faces, Points& positions, std::vector<EdgePoint>& origin, std::vector<double>& values)
+  Snap(const Faces& faces, Points& positions, std::vector<EdgePoint>& origin, std::vector<double>& values,
+       const Context& context)
       : faces_(faces),
         positions_(positions),
         origin_(origin),
         values_(values),
-        table_(static_cast<Index>(positions.rows()), faces),
+        table_(static_cast<Index>(positions.rows()), faces, context),
         around_(faces, static_cast<Index>(positions.rows())) {
+    context.throw_if_stopped();
     Mesh mesh;
     mesh.positions = positions;
     mesh.faces = faces;
     fans_ = fan_counts(mesh, table_);
+    context.throw_if_stopped();
   }
 
   void run(double snap) {
@@ -172,8 +175,8 @@ bool FacesAround::keep_shape(Index vertex, const Eigen::RowVector3d& target, con
 double crossing(double value_a, double value_b) { return 1 / (1 - value_b / value_a); }
 
 void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<EdgePoint>& origin,
-                 std::vector<double>& values) {
-  Snap(faces, positions, origin, values).run(snap);
+                 std::vector<double>& values, const Context& context) {
+  Snap(faces, positions, origin, values, context).run(snap);
 }
 
 }  // namespace meshgraft

@@ -44,6 +44,6 @@ class FacesAround {
 /// turn over or become a sliver, or if the cut would touch itself. A boundary vertex moves only along its
 /// boundary. Updates `positions`, `origin` and `values`.
 void snap_to_cut(const Faces& faces, double snap, Points& positions, std::vector<EdgePoint>& origin,
-                 std::vector<double>& values);
+                 std::vector<double>& values, const Context& context = {});
 
 }  // namespace meshgraft

@@ -13,6 +13,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "core/facts.h"
+#include "core/sparse_checks.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/edge_table.h"
 #include "mesh/facts.h"
@@ -34,22 +35,25 @@ struct Fan {
 
 class Separation {
  public:
-  Separation(const Mesh& mesh, const DrawnCut& cut, CutKeep keep)
+  Separation(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context)
       : mesh_(mesh),
         cut_(cut),
         keep_(keep),
-        table_(static_cast<Index>(cut.origin.size()), cut.faces.faces),
+        context_(context),
+        table_(static_cast<Index>(cut.origin.size()), cut.faces.faces, context),
         fan_of_(cut.faces.faces.corner_count()) {}
 
-  CutResult run(const Context& context) {
+  CutResult run() {
     find_fans();
-    context.step("cut", 0.7);
+    context_.step("cut", 0.7);
     number_vertices();
-    context.step("cut", 0.8);
+    context_.step("cut", 0.8);
     copy_faces();
+    context_.throw_if_stopped();
     copy_attributes();
-    context.step("cut", 0.9);
+    context_.step("cut", 0.9);
     name_loops();
+    context_.throw_if_stopped();
     keep_normals();
     result_.mesh.source = sources_of(mesh_);
     return std::move(result_);
@@ -62,7 +66,9 @@ class Separation {
     on_cut_.assign(cut_.origin.size(), false);
     for (Index c = 0; c < cut_.faces.faces.corner_count(); ++c)
       if (cut_.side[c] != 0) on_cut_[corners()[c]] = on_cut_[corners()[table_.next[c]]] = true;
+    SparseChecks check(context_);
     for (Index e = 0; e < table_.edge_count(); ++e) {
+      check();
       const auto along = table_.half_edges[e];
       for (std::size_t j = 0; j < along.size(); ++j)
         for (std::size_t k = j + 1; k < along.size(); ++k) join_fans(along[j], along[k]);
@@ -83,7 +89,9 @@ class Separation {
     std::vector<Fan> fans;
     std::vector<std::size_t> number(corners().size(), 0);  // 1 + its index in `fans`, at its first corner
     const Faces& faces = cut_.faces.faces;
+    SparseChecks check(context_);
     for (Index f = 0; f < faces.size(); ++f) {
+      check();
       if (!is_kept(cut_.face_side[f], keep_)) continue;
       for (Index c = faces.first_corner(f); c < faces.first_corner(f + 1); ++c) {
         if (!on_cut_[corners()[c]] || table_.next[c] < 0) continue;
@@ -128,6 +136,7 @@ class Separation {
       copy_of_fan_[fan.first_corner] = static_cast<Index>(source_.size());
       append(fan.vertex);
     }
+    context_.throw_if_stopped();
     result_.vertex.new_index.assign(new_index_.begin(), new_index_.begin() + old_count);
     result_.mesh.positions.resize(static_cast<Eigen::Index>(source_.size()), 3);
     for (std::size_t k = 0; k < source_.size(); ++k) {
@@ -145,7 +154,9 @@ class Separation {
   void copy_faces() {
     const Faces& faces = cut_.faces.faces;
     std::vector<Index> face;
+    SparseChecks check(context_);
     for (Index f = 0; f < faces.size(); ++f) {
+      check();
       if (!is_kept(cut_.face_side[f], keep_)) continue;
       face.clear();
       for (Index c = faces.first_corner(f); c < faces.first_corner(f + 1); ++c) {
@@ -163,6 +174,7 @@ class Separation {
     std::vector<EdgePoint> face_origin;
     for (const Index f : result_.face_parent) face_origin.push_back(same(f));
     for (const Attribute& attribute : mesh_.attributes) {
+      context_.throw_if_stopped();
       switch (attribute.domain) {
         case Domain::vertex:
           result_.mesh.attributes.push_back(interpolate_attribute(attribute, result_.origin));
@@ -226,7 +238,9 @@ class Separation {
   }
 
   void name_loops() {
-    for (auto& loop : boundary_loops(result_.mesh)) {
+    auto loops = boundary_loops(result_.mesh);
+    context_.throw_if_stopped();
+    for (auto& loop : loops) {
       bool made = false;
       for (std::size_t k = 0; k < loop.size(); ++k)
         made = made || cut_edges_.contains({loop[k], loop[(k + 1) % loop.size()]});
@@ -258,6 +272,7 @@ class Separation {
   const Mesh& mesh_;
   const DrawnCut& cut_;
   const CutKeep keep_;
+  const Context& context_;
   const EdgeTable table_;
   DisjointSets fan_of_;                          // over the corners
   Flags on_cut_;                                 // per vertex
@@ -298,7 +313,7 @@ Points whole_normals(const Mesh& mesh, const DrawnCut& cut) {
 }
 
 CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context) {
-  return Separation(mesh, cut, keep).run(context);
+  return Separation(mesh, cut, keep, context).run();
 }
 
 }  // namespace meshgraft

@@ -33,18 +33,20 @@ void require_valid(const Mesh& mesh) {
 bool mend(RepairSurface& surface, const RepairOptions& options) {
   const bool join = options.weld;
   bool changed = false;
-  if (options.remove_invalid) changed |= remove_invalid(surface);
-  if (options.clean_faces) {
-    changed |= clean_corners(surface);
-    changed |= remove_duplicate_faces(surface);
-  }
-  if (options.remove_duplicate_shells) changed |= remove_duplicate_shells(surface);
-  if (options.clean_faces) changed |= remove_zero_area(surface, join);
-  if (options.clean_faces) changed |= clean_corners(surface);
-  if (join && split_t_junctions(surface, options.weld_distance)) changed = true;
-  if (join) changed |= stitch(surface, options.weld_distance);
-  if (options.clean_faces) changed |= clean_corners(surface);
-  if (options.split_non_manifold) changed |= split_non_manifold(surface);
+  const auto run = [&](bool wanted, const auto& step) {
+    surface.context().throw_if_stopped();
+    if (wanted && step()) changed = true;
+  };
+  run(options.remove_invalid, [&] { return remove_invalid(surface); });
+  run(options.clean_faces, [&] { return clean_corners(surface); });
+  run(options.clean_faces, [&] { return remove_duplicate_faces(surface); });
+  run(options.remove_duplicate_shells, [&] { return remove_duplicate_shells(surface); });
+  run(options.clean_faces, [&] { return remove_zero_area(surface, join); });
+  run(options.clean_faces, [&] { return clean_corners(surface); });
+  run(join, [&] { return split_t_junctions(surface, options.weld_distance); });
+  run(join, [&] { return stitch(surface, options.weld_distance); });
+  run(options.clean_faces, [&] { return clean_corners(surface); });
+  run(options.split_non_manifold, [&] { return split_non_manifold(surface); });
   return changed;
 }
 
@@ -70,9 +72,13 @@ RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Contex
     }
     context.step("repair", static_cast<double>(round) / most_rounds);
     if (mend(surface, options)) continue;
+    context.throw_if_stopped();
     if (options.hole_edges != 0 && fill_cracks(surface, options)) continue;
+    context.throw_if_stopped();
     if (options.remove_debris && remove_debris(surface, options.debris_rel)) continue;
+    context.throw_if_stopped();
     if (options.unify_winding && unify_winding(surface)) continue;
+    context.throw_if_stopped();
     if (options.hole_edges != 0 && fill_holes(surface, options)) continue;
     break;
   }

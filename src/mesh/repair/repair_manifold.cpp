@@ -178,8 +178,10 @@ bool unify_winding(RepairSurface& surface) {
     turn_faces(surface, against);
     changed = true;
   }
+  surface.context().throw_if_stopped();
   const InwardComponents inward = inward_components(surface.mesh(), surface.edges(), surface.context());
   if (inward.components.empty()) return changed;
+  surface.context().throw_if_stopped();
   Flags turn(surface.faces().size(), 0);
   std::vector<Index> given;
   for (Index f = 0; f < surface.faces().size(); ++f) {

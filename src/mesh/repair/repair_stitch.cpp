@@ -145,6 +145,7 @@ bool stitch(RepairSurface& surface, std::optional<double> distance) {
   const std::vector<Index>& corners = surface.faces().corners();
   const std::vector<Index> representative = boundary_positions(surface, distance);
   DisjointSets sets(surface.mesh().vertex_count());
+  surface.context().throw_if_stopped();
   const IndexLists rows = coincident_boundary_edges(table, representative);
   for (Index row = 0; row < rows.size(); ++row) {
     for (const auto& [a, b] : pair_up(surface, rows[row])) {
@@ -220,6 +221,7 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
   const Points& positions = surface.positions();
   const std::vector<Index>& corners = surface.faces().corners();
   const BoundaryPositions boundary(positions, boundary_vertices(surface.mesh().vertex_count(), table));
+  surface.context().throw_if_stopped();
   const VertexTree tree(positions, boundary.first);
   const std::vector<double> shortest = shortest_edges(surface);
   std::vector<std::vector<Index>> neighbours(surface.mesh().vertex_count());  // along the boundary
@@ -229,6 +231,7 @@ TornEdges find_torn_edges(const RepairSurface& surface, double widest) {
     neighbours[table.ends[e][1]].push_back(table.ends[e][0]);
   }
 
+  surface.context().throw_if_stopped();
   TornEdges torn;
   torn.on.resize(corners.size());
   const auto look_along = [&](Index c) {

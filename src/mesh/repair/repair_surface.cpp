@@ -53,7 +53,7 @@ RepairSurface::RepairSurface(const Mesh& given, const Context& context) : given_
 }
 
 const EdgeTable& RepairSurface::edges() const {
-  if (!edges_) edges_.emplace(mesh_.vertex_count(), mesh_.faces);
+  if (!edges_) edges_.emplace(mesh_.vertex_count(), mesh_.faces, context_);
   return *edges_;
 }
 
