@@ -176,9 +176,15 @@ Json outcome_json(const MethodOutcome& outcome, const Wording& wording) {
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context) {
   require_distinct(methods);
   require_deform_step(edit);
+  return compare_methods(edit, load_inputs(edit, context), methods, context);
+}
+
+Comparison compare_methods(const EditFile& edit, const LoadedInputs& inputs, std::span<const Method> methods,
+                           const Context& context) {
+  require_distinct(methods);
+  require_deform_step(edit);
   Comparison comparison;
   comparison.edit = edit.location;
-  const LoadedInputs inputs = load_inputs(edit, context);
   for (const Method& method : methods) {
     MethodOutcome outcome{method, {}, {}};
     RunOptions options;

@@ -13,6 +13,8 @@
 
 namespace meshgraft {
 
+struct LoadedInputs;
+
 /// The result of an edit by one method.
 struct MethodOutcome {
   Method method;
@@ -35,6 +37,9 @@ struct Comparison {
 /// fail. Throws Error(usage) if no method is given or one is given twice, Error(input) for an edit without a
 /// deform step.
 Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context = {});
+/// Does the same with inputs that are loaded.
+Comparison compare_methods(const EditFile& edit, const LoadedInputs& inputs, std::span<const Method> methods,
+                           const Context& context = {});
 
 /// Returns each method's name, quality and seconds as a Markdown table, with notes below it, in the words of an
 /// interface.

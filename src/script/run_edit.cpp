@@ -193,11 +193,15 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   return result;
 }
 
-EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+void require_kept(const EditFile& edit, const RunOptions& options) {
   const std::vector<std::string> names = mesh_names(edit);
   for (const std::string& wanted : options.keep)
     if (std::find(names.begin(), names.end(), wanted) == names.end())
       throw Error(facts::script::NoMeshToKeep{.name = wanted, .known = names}, Location::file(edit.location));
+}
+
+EditResult run_edit(const EditFile& edit, const RunOptions& options, const Context& context) {
+  require_kept(edit, options);
   return run_steps(edit, load_inputs(edit, context), options, context);
 }
 

@@ -107,7 +107,10 @@ MeshState& state_for_outcome(const EditStep& step, std::map<std::string, MeshSta
 /// Returns the largest displacement of a vertex, model units; n×3 both.
 double largest_displacement(const Points& rest, const Points& edited);
 
-/// Runs all steps of an edit from loaded inputs, like `run_edit`.
+/// Throws Error(usage) for names in `options.keep` that the edit does not have.
+void require_kept(const EditFile& edit, const RunOptions& options);
+
+/// Runs all steps of an edit from loaded inputs, like `run_edit`. `require_kept` must hold.
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,
                      const Context& context);
 
