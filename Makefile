@@ -12,7 +12,7 @@ endif
 PREFIX ?= /usr/local
 BENCH_ARGS ?=
 FUZZ_SECONDS ?= 60
-FACT_TABLES := $(sort $(wildcard src/*/facts.json src/io/*/facts.json)) cli/facts.json
+FACT_TABLES := $(sort $(wildcard src/*/facts.json src/io/*/facts.json)) cli/facts.json python/facts.json
 
 .DEFAULT_GOAL := help
 .PHONY: help demo edit test test-long build install lint format bench bench-page asan tsan fuzz docs-pictures facts clean

@@ -4,7 +4,7 @@
     tools/check_licences.py [--root ROOT] BINARY…
 
 Every shared library that a binary is linked to, directly or through another one, and every header of another project
-that src, include or cli includes has to stand in the table's last column. No row of what is passed on may be under the
+that src, include, cli or python includes has to stand in the table's last column. No row of what is passed on may be under the
 GPL, but for the compiler's runtime with its exception, and none under the LGPL that is not linked dynamically. The
 packages of the page have the licences that its lock file names. Prints each violation and exits with 1 if there are any.
 """
@@ -73,7 +73,7 @@ def is_of_system(header):
 
 def check_includes(root, rows):
     allowed = [name for row in rows if row.is_passed_on() for name in row.headers]
-    for folder in ("include", "src", "cli"):
+    for folder in ("include", "src", "cli", "python"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix not in (".h", ".cpp"):
                 continue

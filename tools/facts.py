@@ -208,7 +208,7 @@ def listed(rows):
            "Every error and every note has an *id* and *fields*. Programs read these; the sentences are for people, and each",
            "interface words them in its own terms. This page lists the ids, with their fields and the library's sentence. A",
            "field is a number, a text from the user's data, or a word of a list, which stands above the table. The page is",
-           "made from the tables `facts.json` of `src` and `cli` by `tools/facts.py list`.", ""]
+           "made from the tables `facts.json` of `src`, `cli` and `python` by `tools/facts.py list`.", ""]
     layer = None
     for row in rows:
         if row.layer != layer:

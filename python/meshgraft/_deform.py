@@ -1,0 +1,328 @@
+"""Deforming a mesh by handles."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from typing import Any, Generic, TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshgraft import _arrays, _core, _texts
+from meshgraft._adapters import adapt
+from meshgraft._calls import DEFAULT, CallArguments, Progress, calling
+from meshgraft._docs_of import documented
+from meshgraft._facts import Note
+from meshgraft._mesh import Mesh
+from meshgraft._pose import handle_specs, pose_of, require_known
+from meshgraft._records import (DeformerSummary, DeformKeywords, EvaluationReport, HandleBuffers, ProxySummary,
+                                ReducedFramesKeywords)
+
+if sys.version_info >= (3, 11):
+    from typing import Unpack
+else:
+    from typing_extensions import Unpack
+
+FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.int32]
+M = TypeVar("M")
+
+
+def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: Any = None,
+                handles: Mapping[str, Any] | None = None, poses: Mapping[str, Any] | None = None,
+                targets: Mapping[int, ArrayLike] | None = None, transforms: Mapping[int, ArrayLike] | None = None,
+                anchors: Any = None, symmetry: Any = None, settings: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Returns a deform step in the form of an edit file."""
+    step: dict[str, Any] = {"kind": "deform", "mesh": mesh, "handles": handle_specs(handles, vertices, poses)}
+    if region is not None:
+        step["region"] = _texts.spec_of(region, "region", vertices)
+    if fixed is not None:
+        step["fixed"] = _texts.spec_of(fixed, "fixed", vertices)
+    if targets:
+        step["targets"] = [{"vertex": int(v), "position": _arrays.vector(position, f"targets[{v}]").tolist()}
+                           for v, position in targets.items()]
+    if transforms:
+        step["transforms"] = [{"vertex": int(v), "matrix": _arrays.matrix(matrix, f"transforms[{v}]", 3).tolist()}
+                              for v, matrix in transforms.items()]
+    if anchors is not None:
+        step["anchors"] = [_anchor(entry, f"anchors[{i}]", vertices)
+                           for i, entry in enumerate(anchors if isinstance(anchors, list) else [anchors])]
+    if symmetry is not None:
+        step["symmetry"] = _arrays.plane(symmetry, "symmetry")
+    if settings:
+        step["settings"] = dict(settings)
+    return step
+
+
+def _anchor(entry: Any, name: str, vertices: int | None) -> dict[str, Any]:
+    """Reads vertices, or a pair (vertices, weight)."""
+    if isinstance(entry, tuple) and len(entry) == 2:
+        return {"select": _texts.spec_of(entry[0], name, vertices), "weight": float(entry[1])}
+    return {"select": _texts.spec_of(entry, name, vertices)}
+
+
+def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[str, Any] | None = None,
+           region: Any = None, fixed: Any = None, targets: Mapping[int, ArrayLike] | None = None,
+           transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None, symmetry: Any = None,
+           proxy: int | None = None, refine_boundary: int | None = None, weld: bool | None = None, threads: int = 0,
+           memory: int | None = None, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> M:
+    """Deforms a mesh once, as `meshgraft deform` does; the result has the type of `mesh`.
+
+    `handles`: vertices by name (an array, a mask, a selection or a Handle). `poses`: a Pose or a 4x4 matrix by the name
+    of the handle; others rest. `region`: the vertices that may move, by default all. `fixed`: vertices of the region that
+    stay; by default two rings along its boundary. `targets`, `transforms`: positions (3 numbers) and local transforms
+    (3x3) by vertex. `anchors`: vertices that are drawn to their rest positions, or pairs (vertices, weight). `symmetry`:
+    a plane (point, normal); an edit on one side happens on the other, too. `proxy`: solve a decimated proxy of about so
+    many vertices. `memory`: bytes that the solve may take. All vertices outside the region keep their bits.
+    """
+    adapted = adapt(mesh)
+    own = adapted.mesh
+    given = {**settings, **_texts.without_none(proxy=proxy, refine_boundary=refine_boundary, weld=weld)}
+    step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
+                       transforms=transforms, anchors=anchors, symmetry=symmetry, settings=given)
+    options = {"estimate_condition": False, "strict": False, "keep": [], "memory": memory}
+    edit = _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deform")
+    with calling(threads, memory, progress) as call:
+        result, *_ = _core.run_one_step(edit, options, call)
+    return cast(M, result if isinstance(mesh, Mesh) else adapted.at(result.vertices.copy()))
+
+
+class _Posed(Generic[M]):
+    """What is evaluated at poses of handles by name."""
+
+    _core: Any
+    _adapted: Any
+    _handles: list[str]
+    _default: CallArguments
+
+    def _call(self, threads: int) -> CallArguments:
+        return (threads, 0, None) if threads else self._default
+
+    def _poses(self, poses: Mapping[str, Any] | None, named: Mapping[str, Any]) -> list[Any]:
+        all_poses = {**poses, **named} if poses else named
+        cores = [None if (pose := all_poses.get(name)) is None else pose_of(pose, name)._core for name in self._handles]
+        if len(all_poses) > sum(core is not None for core in cores):
+            require_known(all_poses, self._handles)
+        return cores
+
+    def _into(self, out: FloatArray) -> FloatArray:
+        return _arrays.output(out, "out", len(self._adapted.mesh))
+
+    @property
+    def handles(self) -> tuple[str, ...]:
+        """Names of the handles, in their order."""
+        return tuple(self._handles)
+
+
+class _Solver(_Posed[M]):
+    """What the exact deformer and the proxy have in common."""
+
+    def _set_up(self, mesh: M, region: Any, handles: Mapping[str, Any], fixed: Any, anchors: Any, symmetry: Any,
+                weld: bool | None, settings: Mapping[str, Any]) -> tuple[Any, ...]:
+        self._adapted = adapt(mesh)
+        self._handles = list(handles or {})
+        own = self._adapted.mesh
+        step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, anchors=anchors,
+                           symmetry=symmetry, settings={**settings, **_texts.without_none(weld=weld)})
+        return _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deformer")
+
+    def evaluate(self, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0, **named: Any) -> M:
+        """Returns the mesh with its handles at poses: `d.evaluate(hand=Pose(...))`, or of a dict by name.
+
+        Handles without a pose rest. Vertices outside the region keep their coordinates bit for bit. The result has the
+        type of the mesh that was given; for a tuple (vertices, faces) it is the vertices.
+        """
+        positions = self._core.evaluate(self._poses(poses, named), None, self._call(threads))
+        if isinstance(self._adapted.given, Mesh):
+            return cast(M, self._core.moved(positions))
+        return cast(M, self._adapted.at(positions))
+
+    def positions(self, poses: Mapping[str, Any] | None = None, /, *, out: FloatArray | None = None, threads: int = 0,
+                  **named: Any) -> FloatArray:
+        """Returns the positions alone, (n, 3). With `out`, an array of float64, writes them there and returns it."""
+        target = None if out is None else self._into(out)
+        return cast(FloatArray, self._core.evaluate(self._poses(poses, named), target, self._call(threads)))
+
+    def positions_and_report(self, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0,
+                             **named: Any) -> tuple[FloatArray, EvaluationReport]:
+        """Returns the positions, (n, 3), and figures of the evaluation."""
+        return cast("tuple[FloatArray, EvaluationReport]",
+                    self._core.evaluate_with_report(self._poses(poses, named), self._call(threads)))
+
+    @property
+    def free_vertices(self) -> IndexArray:
+        """The vertices whose position is solved for, ascending."""
+        return cast(IndexArray, self._core.free_vertices())
+
+    @property
+    def region(self) -> IndexArray:
+        """The vertices that may move."""
+        return cast(IndexArray, self._core.region())
+
+    @property
+    def fixed(self) -> IndexArray:
+        """The vertices of the region that stay."""
+        return cast(IndexArray, self._core.fixed())
+
+    def handle_vertices(self, name: str) -> IndexArray:
+        """Returns the vertices of a handle."""
+        return cast(IndexArray, self._core.handle(self._handles.index(name)))
+
+    def pivot(self, name: str) -> FloatArray:
+        """Returns the point about which a handle turns unless its pose names another: the centre of its boundary."""
+        return cast(FloatArray, self._core.pivot(self._handles.index(name)))
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Notes about the set-up."""
+        return cast("tuple[Note, ...]", self._core.notes())
+
+    def condition_estimate(self, *, progress: Progress = None) -> float:
+        """Returns a lower bound of the condition number of the system, at the cost of a few solves."""
+        with calling(progress=progress) as call:
+            return cast(float, self._core.condition_estimate(call))
+
+
+@documented("Deformer")
+class Deformer(_Solver[M]):
+    """Deforms a region of a mesh by handles. Making one takes the time; evaluations are quick.
+
+        d = mg.Deformer(mesh, region=arm, handles={"hand": hand})
+        bent = d.evaluate(hand=mg.Pose(rotate=("z", 40), pivot=wrist))
+
+    The arguments are those of `deform`. Several threads may evaluate at once.
+    """
+
+    def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *, fixed: Any = None,
+                 anchors: Any = None, symmetry: Any = None, weld: bool | None = None, threads: int = 0,
+                 progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
+        given = self._set_up(mesh, region, handles or {}, fixed, anchors, symmetry, weld, settings)
+        self._given_settings = dict(settings)
+        self._default = (threads, 0, None)
+        with calling(threads, None, progress) as call:
+            self._core = _core.make_deformer(given, call)
+
+    @documented("Deformer.with_region")
+    def with_region(self, region: Any, handles: Mapping[str, Any], *, fixed: Any = None, anchors: Any = None,
+                    progress: Progress = None) -> Deformer[M]:
+        """Returns a Deformer for another region of the same mesh, by the same settings."""
+        other: Deformer[M] = Deformer.__new__(Deformer)
+        given = other._set_up(self._adapted.given, region, handles, fixed, anchors, None, None, self._given_settings)
+        other._given_settings, other._default = self._given_settings, self._default
+        with calling(self._default[0], None, progress) as call:
+            other._core = self._core.with_region(given, call)
+        return other
+
+    @property
+    def summary(self) -> DeformerSummary:
+        """Seconds per stage and figures of the set-up."""
+        return cast(DeformerSummary, self._core.summary())
+
+    def handle_basis(self, *, normals: bool = True, progress: Progress = None) -> HandleBasis[M]:
+        """Makes the basis of the linear frames of method "ft05"."""
+        with calling(self._default[0], None, progress) as call:
+            return HandleBasis(_core.handle_basis(self._core, normals, call), self)
+
+    def reduced_frames(self, *, progress: Progress = None, **options: Unpack[ReducedFramesKeywords]) -> ReducedFrames[M]:
+        """Makes approximate frames of the methods "corotational" and "rotation-aware"."""
+        with calling(self._default[0], None, progress) as call:
+            return ReducedFrames(_core.reduced_frames(self._core, dict(options), call), self)
+
+    def normal_matrix(self) -> Any:
+        """Returns the lower triangle of the matrix that is factorised, a scipy.sparse.csc_array. For study."""
+        from meshgraft.operators import csc
+
+        return csc(self._core.normal_matrix(DEFAULT))
+
+    def affine_operator(self) -> Any:
+        """Returns the rows of the energy on the patch that is solved (scaled to unit size). For study."""
+        from meshgraft.operators import AffineOperator
+
+        return AffineOperator._wrap(self._core.operator())
+
+    @property
+    def patch_vertices(self) -> IndexArray:
+        """The vertices of the patch of `affine_operator`."""
+        return cast(IndexArray, self._core.patch_vertices())
+
+
+@documented("ProxyDeformer")
+class ProxyDeformer(_Solver[M]):
+    """Deforms a region by way of a decimated proxy of about `vertices` vertices. Other arguments as for Deformer."""
+
+    def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *, vertices: int = 4000,
+                 fixed: Any = None, anchors: Any = None, symmetry: Any = None, weld: bool | None = None, threads: int = 0,
+                 progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
+        given = self._set_up(mesh, region, handles or {}, fixed, anchors, symmetry, weld, settings)
+        self._default = (threads, 0, None)
+        with calling(threads, None, progress) as call:
+            self._core = _core.make_proxy(given, vertices, call)
+
+    @property
+    def summary(self) -> ProxySummary:
+        """Seconds per stage and figures of the set-up."""
+        return cast(ProxySummary, self._core.summary())
+
+    @property
+    def proxy(self) -> tuple[IndexArray, IndexArray]:
+        """The proxy: its vertices as indices into the mesh, and its triangles, (k, 3), as indices into these."""
+        return self._core.proxy_vertices(), self._core.proxy_triangles()
+
+
+class _Frames(_Posed[M]):
+    def __init__(self, core: Any, deformer: Deformer[M]) -> None:
+        self._core, self._adapted, self._handles = core, deformer._adapted, deformer._handles
+        self._default = deformer._default
+
+    def frame(self, poses: Mapping[str, Any] | None = None, /, *, out: FloatArray | None = None, threads: int = 0,
+              **named: Any) -> FloatArray:
+        """Returns positions, (n, 3), or writes them to `out`."""
+        target = None if out is None else self._into(out)
+        return cast(FloatArray, self._core.frame(self._poses(poses, named), target, self._call(threads)))
+
+    @property
+    def memory_bytes(self) -> int:
+        """Memory that it takes."""
+        return cast(int, self._core.memory_bytes())
+
+
+@documented("HandleBasis")
+class HandleBasis(_Frames[M]):
+    """Linear frames in real time; `Deformer.handle_basis` makes one."""
+
+    def frame_with_normals(self, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0,
+                           **named: Any) -> tuple[FloatArray, NDArray[np.float32]]:
+        """Returns positions and unit normals, both (n, 3)."""
+        return cast("tuple[FloatArray, NDArray[np.float32]]",
+                    self._core.frame_with_normals(self._poses(poses, named), None, self._call(threads)))
+
+    @property
+    def has_normals(self) -> bool:
+        """Whether frames can have normals."""
+        return cast(bool, self._core.has_normals())
+
+    @documented("HandleBasis.buffers")
+    def buffers(self) -> HandleBuffers:
+        """Returns the data of a vertex shader."""
+        return cast(HandleBuffers, self._core.buffers())
+
+    def pose_matrices(self, poses: Mapping[str, Any] | None = None, /, **named: Any) -> NDArray[np.float32]:
+        """Returns the handles' matrices of one frame for a vertex shader, (handles, 4, 3)."""
+        return cast("NDArray[np.float32]", self._core.pose_matrices(self._poses(poses, named)))
+
+
+@documented("ReducedFrames")
+class ReducedFrames(_Frames[M]):
+    """Approximate frames in real time; `Deformer.reduced_frames` makes them."""
+
+    @property
+    def centres(self) -> int:
+        """Number of points that store the field of maps."""
+        return cast(int, self._core.centres())
+
+
+@documented("estimated_memory")
+def estimated_memory(free_vertices: int) -> int:
+    """Returns an estimate of the bytes that the solver needs for so many free vertices."""
+    return cast(int, _core.estimated_memory(free_vertices))

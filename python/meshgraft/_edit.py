@@ -1,0 +1,233 @@
+"""Edits: inputs and steps that can be built, saved, loaded and run."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshgraft import _arrays, _core, _texts
+from meshgraft._adapters import adapt
+from meshgraft._calls import Progress, calling
+from meshgraft._deform import deform_step
+from meshgraft._docs_of import documented
+from meshgraft._facts import Error
+from meshgraft._merge import MergeKeywords, merge_step
+from meshgraft._mesh import Mesh, write
+from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords
+
+if sys.version_info >= (3, 11):
+    from typing import Self, Unpack
+else:
+    from typing_extensions import Self, Unpack
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EditResult:
+    """What an edit made."""
+
+    mesh: Mesh
+    """the edit's output; without cuts and merges it has the topology and order of its input"""
+    rest: NDArray[np.float64]
+    """positions before the edit, or after the last cut or merge, (n, 3)"""
+    report: EditReport
+    kept: Mapping[str, Mesh]
+    """the meshes that were asked for by `keep`, after the last step"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MethodOutcome:
+    """The result of an edit by one method, or the error with which it failed."""
+
+    method: str
+    result: EditResult | None
+    failure: Error | None
+
+
+class Edit:
+    """Inputs and steps, in order; the same as an edit file (docs/edit-file.md).
+
+        edit = mg.Edit()
+        edit.input("octopus", mg.sample("octopus"))
+        edit.deform("octopus", handles={"arm": mg.select.sphere((1.8, 0, 0.3), 0.4)}, ...)
+        edit.save("edit.json")
+        result = edit.run()
+
+    Methods that add something return the edit. Everything is checked when the edit is run or saved.
+    """
+
+    def __init__(self, name: str = "", about: str = "") -> None:
+        self._json: dict[str, Any] = {"format": "meshgraft-edit", "version": 2}
+        if name:
+            self._json["name"] = name
+        if about:
+            self._json["about"] = about
+        self._json.update(inputs={}, steps=[])
+        self._meshes: dict[str, Mesh] = {}
+        self._folder = ""
+
+    # Building.
+
+    def input(self, name: str, mesh: Any = None, *, sample: str | None = None, resolution: int = 0,
+              sha256: str | None = None) -> Self:
+        """Adds a mesh by name: a mesh of any kind, the path of a file, or a built-in model (`sample`)."""
+        if (mesh is None) == (sample is None):
+            raise ValueError("input: give a mesh, a path, or sample")
+        self._meshes.pop(name, None)
+        if sample is not None:
+            self._json["inputs"][name] = {"sample": sample, **({"resolution": resolution} if resolution else {})}
+        elif isinstance(mesh, (str, os.PathLike)):
+            self._json["inputs"][name] = {"file": os.fspath(mesh), **({"sha256": sha256} if sha256 else {})}
+        else:
+            self._meshes[name] = adapt(mesh, name).mesh
+            self._json["inputs"][name] = {"file": f"{name}.ply"}
+        return self
+
+    def selection(self, name: str, vertices: Any) -> Self:
+        """Adds a vertex set that steps can name."""
+        self._json.setdefault("selections", {})[name] = _texts.spec_of(vertices, name, None)
+        return self
+
+    def deform(self, mesh: str, *, handles: Mapping[str, Any] | None = None, poses: Mapping[str, Any] | None = None,
+               region: Any = None, fixed: Any = None, targets: Mapping[int, ArrayLike] | None = None,
+               transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None, symmetry: Any = None,
+               result: str | None = None, name: str | None = None, about: str | None = None, proxy: int | None = None,
+               refine_boundary: int | None = None, weld: bool | None = None, **settings: Unpack[DeformKeywords]) -> Self:
+        """Adds a deform step on a mesh by name. The arguments are those of `meshgraft.deform`."""
+        given = {**settings, **_texts.without_none(proxy=proxy, refine_boundary=refine_boundary, weld=weld)}
+        step = deform_step(mesh, None, region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
+                           transforms=transforms, anchors=anchors, symmetry=symmetry, settings=given)
+        return self._add(step, result, name, about)
+
+    def merge(self, target: str, source: str, *, pairs: Sequence[tuple[Any, Any]] | None = None,
+              matches: Sequence[tuple[Any, Any]] | None = None, at: Any = None, spin_deg: float | None = None,
+              source_loop: Any = None, pose: MergePose | None = None, shape: MergeShape | None = None,
+              align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
+              source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
+              fixed: Any = None, reach_rings: int | None = None, reach_length: float | None = None,
+              features: Sequence[Any] | None = None, smooth_boundary: bool | None = None, fix_winding: bool | None = None,
+              result: str | None = None, name: str | None = None, about: str | None = None,
+              **settings: Unpack[MergeKeywords]) -> Self:
+        """Adds a merge step; with `at`, a drop. The arguments are those of `meshgraft.merge` and `meshgraft.drop`."""
+        step = merge_step(target, source, (None, None), dict(
+            pairs=pairs, matches=matches, at=at, spin_deg=spin_deg, source_loop=source_loop, pose=pose, shape=shape,
+            align=align, mirror=mirror, source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg,
+            fixed=fixed, reach_rings=reach_rings, reach_length=reach_length, features=features,
+            smooth_boundary=smooth_boundary, fix_winding=fix_winding, settings=settings))
+        return self._add(step, result, name, about)
+
+    def cut(self, mesh: str, *, plane: Any = None, loop: ArrayLike | None = None, keep: CutKeep | None = None,
+            snap: float | None = None, result: str | None = None, name: str | None = None,
+            about: str | None = None) -> Self:
+        """Adds a cut step on a mesh by name. The arguments are those of `meshgraft.cut`."""
+        if (plane is None) == (loop is None):
+            raise ValueError("cut: give either plane or loop")
+        step: dict[str, Any] = {"kind": "cut", "mesh": mesh, **_texts.without_none(keep=keep, snap=snap)}
+        if plane is not None:
+            step["plane"] = _arrays.plane(plane, "plane")
+        else:
+            step["loop"] = _arrays.indices(cast(ArrayLike, loop), "loop", None).tolist()
+        return self._add(step, result, name, about)
+
+    def output(self, name: str) -> Self:
+        """Names the mesh that is the result; by default that of the last step."""
+        self._json["output"] = name
+        return self
+
+    def _add(self, step: dict[str, Any], result: str | None, name: str | None, about: str | None) -> Self:
+        self._json["steps"].append({**step, **_texts.without_none(result=result, name=name, about=about)})
+        return self
+
+    # Text and files.
+
+    @property
+    def steps(self) -> tuple[Mapping[str, Any], ...]:
+        """The steps, in the form of the edit file."""
+        return tuple(_texts.Writer(aside=False).plain(self._json["steps"]))
+
+    def to_json(self) -> str:
+        """Returns the text of the edit file, checked. Meshes in memory appear as files beside it."""
+        text = _texts.Writer(aside=False).text(self._json)
+        return cast(str, _core.normalised_edit((text, "edit", self._folder, {}, {})))
+
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = True) -> list[Path]:
+        """Writes the edit file, and meshes in memory beside it as NAME.ply. Returns the files that were written."""
+        file = Path(path)
+        text = self.to_json()
+        if not overwrite and file.exists():
+            raise FileExistsError(f"{file} exists")
+        beside = [file.parent / self._json["inputs"][name]["file"] for name in self._meshes]
+        for mesh, where in zip(self._meshes.values(), beside):
+            write(mesh, where, overwrite=overwrite)
+        moved = _texts.Writer(aside=False).plain(json.loads(text))
+        for name, entry in moved["inputs"].items():
+            if "file" in entry and name not in self._meshes:
+                entry["file"] = os.path.relpath(Path(self._folder) / entry["file"], file.parent)
+        file.write_text(json.dumps(moved, ensure_ascii=False, indent=2) + "\n", encoding="utf-8")
+        return [file, *beside]
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Edit:
+        """Reads an edit file of version 1 or 2."""
+        edit = cls()
+        edit._json = json.loads(_core.read_edit(os.fspath(path)))
+        edit._folder = os.path.dirname(os.fspath(path))
+        return edit
+
+    # Running.
+
+    def _given(self) -> tuple[Any, ...]:
+        return _texts.given(self._json, self._meshes, folder=self._folder)
+
+    @documented("run_edit")
+    def run(self, *, keep: Sequence[str] = (), strict: bool = False, estimate_condition: bool = False,
+            memory: int | None = None, threads: int = 0, progress: Progress = None,
+            **overrides: Unpack[OverrideKeywords]) -> EditResult:
+        """Runs the edit; writes nothing. Overrides replace the settings of every step."""
+        options = {"estimate_condition": estimate_condition, "strict": strict, "keep": list(keep), "memory": memory}
+        with calling(threads, None, progress) as call:
+            return _result(_core.run_edit(self._given(), dict(overrides), options, call))
+
+    def compare(self, methods: Sequence[str] = (), *, threads: int = 0,
+                progress: Progress = None) -> tuple[MethodOutcome, ...]:
+        """Runs the edit once by each method: those named, or all (`meshgraft.methods()`)."""
+        with calling(threads, None, progress) as call:
+            outcomes = _core.compare(self._given(), list(methods), call)
+        return tuple(MethodOutcome(method=method, result=None if result is None else _result(result), failure=failure)
+                     for method, result, failure in outcomes)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Edit) and self.steps == other.steps and self.to_json() == other.to_json()
+
+    __hash__ = None  # type: ignore[assignment]  # edits change
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(step["kind"] for step in self._json["steps"])
+        return f"<meshgraft.Edit of {', '.join(self._json['inputs']) or 'nothing'}: {kinds or 'no steps'}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_json": _texts.Writer(aside=False).plain(self._json)}
+
+
+def _result(parts: Any) -> EditResult:
+    mesh, rest, report, kept = parts
+    return EditResult(mesh=mesh, rest=rest, report=report, kept=kept)
+
+
+def compare(edit: Edit | str | os.PathLike[str], methods: Sequence[str] = (), *, threads: int = 0,
+            progress: Progress = None) -> tuple[MethodOutcome, ...]:
+    """Runs an edit, or an edit file, once by each method, to compare them."""
+    own = edit if isinstance(edit, Edit) else Edit.load(edit)
+    return own.compare(methods, threads=threads, progress=progress)
+
+
+def methods() -> tuple[str, ...]:
+    """Returns the names of this library's methods, then of the published ones."""
+    return tuple(_core.methods())

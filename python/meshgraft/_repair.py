@@ -1,0 +1,99 @@
+"""Checking, repairing and cutting meshes."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from meshgraft import _arrays, _core, _texts
+from meshgraft._adapters import adapt, vertices_of
+from meshgraft._calls import Progress, calling
+from meshgraft._docs_of import documented
+from meshgraft._records import CutKeywords, CutResult, Diagnostics, Quality, RepairKeywords, RepairResult
+
+if sys.version_info >= (3, 11):
+    from typing import Unpack
+else:
+    from typing_extensions import Unpack
+
+IndexArray = NDArray[np.int32]
+
+
+@documented("check_mesh")
+def check(mesh: Any, *, threads: int = 0, progress: Progress = None) -> Diagnostics:
+    """Names the defects of a mesh that affect an edit."""
+    own = adapt(mesh, allow_defects=True).mesh
+    with calling(threads, None, progress) as call:
+        return cast(Diagnostics, _core.check(own._core, call))
+
+
+@documented("repair")
+def repair(mesh: Any, *, threads: int = 0, progress: Progress = None, **options: Unpack[RepairKeywords]) -> RepairResult:
+    """Repairs a mesh so that every function accepts it. `result.mesh` has the type of the mesh that was given."""
+    adapted = adapt(mesh, allow_defects=True)
+    with calling(threads, None, progress) as call:
+        result = cast(RepairResult, _core.repair(adapted.mesh._core, dict(options), call))
+    if not result.changes:
+        return replace(result, mesh=mesh)
+    return replace(result, mesh=adapted.like(result.mesh))
+
+
+@documented("cut_by_plane")
+def cut(mesh: Any, *, plane: Any = None, loop: Any = None, values: ArrayLike | None = None, threads: int = 0,
+        progress: Progress = None, **options: Unpack[CutKeywords]) -> CutResult:
+    """Cuts a mesh open by one of these; `result.mesh` has the type of the mesh that was given.
+
+    `plane`: (point, normal), whose normal points above, or "z" for the plane z = 0. `loop`: vertices that a closed curve
+    runs through on the surface; above is on its left. `values`: one number per vertex; the cut is where they are zero.
+    """
+    if (plane is not None) + (loop is not None) + (values is not None) != 1:
+        raise ValueError("cut: give one of plane, loop and values")
+    adapted = adapt(mesh)
+    own = adapted.mesh
+    with calling(threads, None, progress) as call:
+        if plane is not None:
+            spec = _arrays.plane(plane, "plane")
+            result = _core.cut_by_plane(own._core, np.array(spec["point"]), np.array(spec["normal"]), dict(options), call)
+        elif loop is not None:
+            spec = _texts.spec_of(loop, "loop", len(own))
+            vertices = loop(own) if callable(loop) else spec["indices"]
+            result = _core.cut_along_loop(own._core, vertices, dict(options), call)
+        else:
+            numbers = _arrays.numbers(cast(ArrayLike, values), "values", count=len(own))
+            result = _core.cut_at_zero(own._core, numbers, dict(options), call)
+    return replace(cast(CutResult, result), mesh=adapted.like(result.mesh))
+
+
+@documented("measure_quality")
+def quality(rest: Any, edited: Any, *, free: Any = None, self_intersections: bool = True, threads: int = 0,
+            progress: Progress = None) -> Quality:
+    """Compares a mesh with an edited state of it: a mesh of any kind, or positions (n, 3).
+
+    `free`: the vertices that the edit could move; by default those that moved.
+    """
+    own = adapt(rest, "rest").mesh
+    triangles = own if own.is_triangular else own.triangulated()
+    positions = np.ascontiguousarray(vertices_of(edited, "edited", len(own)))
+    if free is None:
+        vertices = np.flatnonzero((positions != own.vertices).any(axis=1)).astype(np.int32)
+    else:
+        vertices = free(own) if callable(free) else _arrays.indices(free, "free", len(own))
+    with calling(threads, None, progress) as call:
+        return cast(Quality, _core.quality(own.vertices, positions, triangles.faces, vertices, self_intersections, call))
+
+
+@documented("self_intersections")
+def self_intersections(mesh: Any, *, free: Any = None, threads: int = 0, progress: Progress = None) -> IndexArray:
+    """Returns the pairs of triangles that intersect, (k, 2). `free`: only pairs that touch one of these vertices."""
+    own = adapt(mesh).mesh
+    triangles = own if own.is_triangular else own.triangulated()
+    if free is None:
+        vertices = np.arange(len(own), dtype=np.int32)
+    else:
+        vertices = free(own) if callable(free) else _arrays.indices(free, "free", len(own))
+    with calling(threads, None, progress) as call:
+        return cast(IndexArray, _core.self_intersections(own.vertices, triangles.faces, vertices, call))

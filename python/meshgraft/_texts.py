@@ -1,0 +1,74 @@
+"""Edits as text: the form in which the extension module reads them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from meshgraft import _arrays
+from meshgraft.select import Selection
+
+
+def spec_of(value: Any, name: str, vertices: int | None) -> Any:
+    """Returns a vertex set that an argument gives, in the form of an edit file. Arrays are kept as arrays."""
+    if isinstance(value, Selection):
+        return value._spec
+    if isinstance(value, str):
+        return value
+    return {"indices": _arrays.indices(value, name, vertices)}
+
+
+class Writer:
+    """Turns edits into text. Long lists of vertices are handed over as arrays, beside the text."""
+
+    def __init__(self, *, aside: bool) -> None:
+        self.aside = aside
+        self.arrays: dict[str, Any] = {}
+
+    def plain(self, value: Any) -> Any:
+        """Returns a value without arrays and selections."""
+        if isinstance(value, Selection):
+            return self.plain(value._spec)
+        if isinstance(value, Mapping):
+            indices = value.get("indices")
+            if isinstance(indices, np.ndarray) and self.aside:
+                name = f"array {len(self.arrays)}"
+                self.arrays[name] = indices
+                return name
+            return {key: self.plain(entry) for key, entry in value.items()}
+        if isinstance(value, np.ndarray):
+            return value.tolist()
+        if isinstance(value, np.generic):
+            return value.item()
+        if isinstance(value, (list, tuple)):
+            return [self.plain(entry) for entry in value]
+        return value
+
+    def text(self, edit: Mapping[str, Any]) -> str:
+        """Returns the text of an edit."""
+        plain = self.plain(edit)
+        if self.arrays:
+            plain["selections"] = {**plain.get("selections", {}),
+                                   **{name: {"indices": [0]} for name in self.arrays}}
+        return json.dumps(plain, ensure_ascii=False, allow_nan=False)
+
+
+def given(edit: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str = "edit", folder: str = "") -> tuple[Any, ...]:
+    """Returns the arguments by which the extension module takes an edit and its meshes in memory."""
+    writer = Writer(aside=True)
+    text = writer.text(edit)
+    return text, name, folder, writer.arrays, {key: mesh._core for key, mesh in meshes.items()}
+
+
+def edit_of_step(step: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    """Returns an edit of one step on meshes in memory."""
+    return {"format": "meshgraft-edit", "version": 2, "inputs": {name: {"file": name} for name in names},
+            "steps": [dict(step)]}
+
+
+def without_none(**fields: Any) -> dict[str, Any]:
+    """Returns the fields that are given."""
+    return {name: value for name, value in fields.items() if value is not None}
