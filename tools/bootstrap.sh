@@ -3,6 +3,10 @@
 #   tools/bootstrap.sh build test
 # Does nothing, and needs neither network nor root, where all of them are there. With MESHGRAFT_BOOTSTRAP=off
 # it does nothing at all: for people whose libraries do not come from packages.
+#
+# For the group test it also makes build/venv, an environment of Debian's own Python with what python/requirements.txt
+# names, and makes it anew when that file has changed. MESHGRAFT_PYTHON is another Python for it, MESHGRAFT_VENV another
+# folder.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,9 +26,26 @@ for group in "$@"; do
 done
 list=$(wanted "$@")
 
+# Makes the environment for the group test, unless it is there and of the current requirements.
+make_venv() {
+  case " $* " in *" test "*) ;; *) return 0 ;; esac
+  local folder=${MESHGRAFT_VENV:-build/venv} python=${MESHGRAFT_PYTHON:-/usr/bin/python3}
+  [ -x "$python" ] || python=python3
+  if [ -f "$folder/requirements.txt" ] && [ "$(<"$folder/requirements.txt")" = "$(<python/requirements.txt)" ]; then
+    return 0
+  fi
+  echo "meshgraft makes $folder, with the Python packages of python/requirements.txt"
+  if ! "$python" -m venv "$folder" || ! "$folder/bin/python" -m pip install -q -r python/requirements.txt; then
+    echo "Making $folder failed. 'python/requirements.txt' lists what the tests of the Python package need." >&2
+    exit 1
+  fi
+  printf '%s\n' "$(<python/requirements.txt)" > "$folder/requirements.txt"
+}
+
 if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
   # Not Debian: the compiler and CMake stand for the rest, and CMake names a library that is missing.
   if command -v g++ >/dev/null && command -v cmake >/dev/null && command -v ninja >/dev/null; then
+    make_venv "$@"
     exit 0
   fi
   printf '%s\n' "This system has no apt-get. Please install, under your system's names for them:" "" "$list" "" \
@@ -47,7 +68,10 @@ provided_otherwise() {
 missing=$(while read -r name purpose; do
   [ -z "$name" ] || provided_otherwise "$name" || printf '%-20s %s\n' "$name" "$purpose"
 done <<<"$missing")
-[ -n "$missing" ] || exit 0
+if [ -z "$missing" ]; then
+  make_venv "$@"
+  exit 0
+fi
 
 echo "meshgraft needs these Debian packages, and installs them now:"
 sed 's/^/  /' <<<"$missing"
@@ -72,3 +96,4 @@ if ! install; then
   echo "  apt-get install" $names >&2
   exit 1
 fi
+make_venv "$@"

@@ -63,6 +63,8 @@ def read_results(junit):
 def test(preset):
     """Configures, builds and runs one configuration."""
     configure = ["cmake", "--preset", preset, "-DMESHGRAFT_BUILD_TESTS=ON"]
+    if preset == "release":
+        configure.append("-DMESHGRAFT_BUILD_PYTHON=ON")
     if not run(*configure) or not run("cmake", "--build", "--preset", preset):
         print(f"{preset}: does not build")
         return Count(failed=1)

@@ -27,6 +27,9 @@ class Bootstrap(unittest.TestCase):
             (self.bin / name).symlink_to(shutil.which(name))
         self.calls = self.bin / "calls"
         self.calls.touch()
+        self.venv = self.bin / "venv"  # one that is there and current
+        self.venv.mkdir()
+        (self.venv / "requirements.txt").write_bytes((ROOT / "python/requirements.txt").read_bytes())
 
     def command(self, name, script=""):
         """Adds a command that notes its call and then runs `script`."""
@@ -46,7 +49,7 @@ class Bootstrap(unittest.TestCase):
     def run_for(self, *groups, **variables):
         # bash by its full path: PATH here is the made-up system's
         result = subprocess.run([shutil.which("bash"), ROOT / "tools/bootstrap.sh", *groups], text=True,
-                                capture_output=True, env={"PATH": str(self.bin), **variables})
+                                capture_output=True, env={"PATH": str(self.bin), "MESHGRAFT_VENV": str(self.venv), **variables})
         calls = [line for line in self.calls.read_text().splitlines() if not line.startswith(("dpkg-query", "id"))]
         return result, calls
 
@@ -105,6 +108,31 @@ class Bootstrap(unittest.TestCase):
 
     def test_switched_off(self):
         self.assertEqual(self.run_for("build", MESHGRAFT_BOOTSTRAP="off")[0].returncode, 0)
+
+    def python(self, status=0):
+        """A Python that makes an environment with a Python that notes its call, too."""
+        self.command("made", f"exit {status}")
+        self.command("python", f'mkdir -p "$3/bin"; cp "{self.bin}/made" "$3/bin/python"')
+        (self.bin / "mkdir").symlink_to(shutil.which("mkdir"))
+        (self.bin / "cp").symlink_to(shutil.which("cp"))
+        return str(self.bin / "python")
+
+    def test_makes_the_environment_where_requirements_have_changed(self):
+        self.debian(packages("build", "test"))
+        python = self.python()
+        (self.venv / "requirements.txt").write_text("numpy==1.0\n")
+        result, calls = self.run_for("test", MESHGRAFT_PYTHON=python)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(calls, [f"python -m venv {self.venv}", "made -m pip install -q -r python/requirements.txt"])
+        self.assertEqual(self.run_for("test", MESHGRAFT_PYTHON=python)[0].stdout, "")
+        self.assertEqual(self.run_for("build", MESHGRAFT_PYTHON=python, MESHGRAFT_VENV="/nowhere")[0].returncode, 0)
+
+    def test_says_so_where_the_environment_cannot_be_made(self):
+        self.debian(packages("build", "test"))
+        result, _ = self.run_for("test", MESHGRAFT_PYTHON=self.python(status=1), MESHGRAFT_VENV=str(self.bin / "other"))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("python/requirements.txt", result.stderr)
+        self.assertFalse((self.bin / "other/requirements.txt").exists())
 
     def test_unknown_group(self):
         self.debian([])

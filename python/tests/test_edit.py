@@ -1,0 +1,196 @@
+"""Edits, selections, errors, and what can be pickled."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import meshgraft as mg
+from conftest import bend
+
+
+def edit_of(bar):
+    edit = mg.Edit("a bent bar", about="for the tests").input("bar", bar)
+    edit.selection("bottom", mg.select.half_space((0, 0, 0.3), (0, 0, -1)))
+    return edit.deform("bar", handles={"top": mg.select.half_space((0, 0, 3.7), "z")}, poses={"top": bend()},
+                       fixed="bottom", name="bend", stiffness=10)
+
+
+def test_a_saved_edit_does_the_same(bar, tmp_path):
+    edit = edit_of(bar)
+    files = edit.save(tmp_path / "edit.json")
+    assert [file.name for file in files] == ["edit.json", "bar.ply"]
+    loaded = mg.Edit.load(tmp_path / "edit.json")
+    assert '"kind": "deform"' in edit.to_json()
+    assert loaded.steps[0]["settings"]["stiffness"] == 10 and "Edit of bar: deform" in repr(edit)
+    result, again = edit.run(), loaded.run()
+    assert result.mesh.vertices.tobytes() == again.mesh.vertices.tobytes()
+    assert np.array_equal(result.rest, bar.vertices)
+    (tmp_path / "elsewhere").mkdir()
+    loaded.save(tmp_path / "elsewhere" / "moved.json")
+    assert mg.Edit.load(tmp_path / "elsewhere" / "moved.json").run().mesh.vertices.tobytes() == again.mesh.vertices.tobytes()
+    with pytest.raises(FileExistsError):
+        edit.save(tmp_path / "edit.json", overwrite=False)
+
+
+def test_a_report_has_what_the_edit_did(bar):
+    result = edit_of(bar).run(estimate_condition=True, keep=["bar"])
+    step = result.report.steps[0]
+    assert (step.name, step.method, step.handles) == ("bend", "corotational", ("top",))
+    assert step.counts.vertices == len(bar) and step.evaluation.iterations > 0 and step.condition_estimate > 1
+    assert result.report.quality.edge_rms > 0 and result.kept["bar"].vertices.tobytes() == result.mesh.vertices.tobytes()
+    assert edit_of(bar).run(method="ft05").report.steps[0].method == "ft05"
+
+
+def test_steps_follow_each_other():
+    edit = mg.Edit().input("body", sample="octopus", resolution=40).input("part", sample="head", resolution=32)
+    edit.cut("body", plane=((0, 0, 1.6), "z"), keep="below", name="open")
+    edit.merge("body", "part", pairs=[(mg.select.produced("open", "loop"), 0)], name="graft", result="both")
+    edit.output("both")
+    report = edit.run().report
+    assert report.steps[0].cut.topology.boundary_loops == 1 and report.steps[1].merge.report.seam.manifold
+
+
+def test_compare_runs_each_method(bar):
+    outcomes = mg.compare(edit_of(bar), ["ft05", "corotational"])
+    assert [outcome.method for outcome in outcomes] == ["ft05", "corotational"]
+    assert outcomes[1].result.mesh.vertices.tobytes() == edit_of(bar).run().mesh.vertices.tobytes()
+    assert "arap-2007" in mg.methods() and outcomes[0].failure is None
+
+
+def test_poses_edits_meshes_and_errors_can_be_pickled(bar):
+    octopus = mg.sample("octopus", 24)
+    for pose in (bend(), mg.Pose(), mg.Pose.matrix(np.eye(4)), mg.Pose.curve([[0, 0, 0], [1, 0, 0]])):
+        assert pickle.loads(pickle.dumps(pose)) == pose and hash(copy.deepcopy(pose)) == hash(pose)
+    edit = pickle.loads(pickle.dumps(edit_of(bar)))
+    assert edit == edit_of(bar)
+    assert edit.run().mesh.vertices.tobytes() == edit_of(bar).run().mesh.vertices.tobytes()
+    mesh = pickle.loads(pickle.dumps(octopus))
+    assert np.array_equal(mesh.faces, octopus.faces) and np.array_equal(mesh.vertex["colour"], octopus.vertex["colour"])
+    with pytest.raises(mg.InputError) as caught:
+        mg.sample("squid")
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert (str(error), error.id, error.fields) == (str(caught.value), caught.value.id, caught.value.fields)
+
+
+def test_errors_have_ids_and_places(bar, ends, tmp_path):
+    with pytest.raises(mg.InputError, match="squid") as caught:
+        mg.sample("squid")
+    assert caught.value.id == "samples.no_such_sample" and caught.value.code == "input" and caught.value.problem
+    with pytest.raises(mg.FileError) as caught:
+        mg.read(tmp_path / "missing.ply")
+    assert isinstance(caught.value, OSError) and caught.value.location
+    with pytest.raises(mg.UnsolvableError) as caught:
+        mg.deform(bar, handles={"top": mg.Handle(ends["top"][:1], shape="vertex", constrain="position")})
+    assert caught.value.id.startswith("deform.component") and caught.value.remedy
+    with pytest.raises(mg.InputError) as caught:
+        mg.deform(bar, handles={"a": ends["top"], "b": ends["top"]})
+    assert caught.value.location == "handles[1].select"
+    with pytest.raises(mg.InputError) as caught:
+        mg.deform(bar, handles=ends, stiffness=-1)
+    assert caught.value.location == "settings.stiffness"
+    with pytest.raises(mg.InputError, match="meshgraft.cut"):
+        mg.merge(bar, mg.sample("head", 24))
+    with pytest.raises(mg.FileError):
+        mg.write(bar, tmp_path / "a.ply", overwrite=mg.write(bar, tmp_path / "a.ply") is None)
+    for kind in (mg.InputError, mg.UsageError):
+        assert issubclass(kind, ValueError) and issubclass(kind, mg.Error)
+    assert issubclass(mg.OutOfMemoryError, MemoryError) and issubclass(mg.Cancelled, mg.Error)
+
+
+def test_selections_combine(bar):
+    z = bar.vertices[:, 2]
+    top, ball = mg.select.half_space((0, 0, 3), "z"), mg.select.sphere((0, 0, 4), 1.2)
+    assert set(top(bar)) == set(np.flatnonzero(z >= 3))
+    assert set((top & ball)(bar)) == set(top(bar)) & set(ball(bar))
+    assert set((top | ball)(bar)) == set(top(bar)) | set(ball(bar))
+    assert set((top - ball)(bar)) == set(top(bar)) - set(ball(bar))
+    assert set((~top)(bar)) == set(np.flatnonzero(z < 3))
+    assert set(top.grow(2)(bar)) > set(top(bar)) > set(top.shrink(1)(bar))
+    assert set(top.grow(length=0.5)(bar)) > set(top(bar)) and set(top.rim(1)(bar)) < set(top(bar))
+    assert top.mask(bar).sum() == len(top(bar))
+    assert list(mg.select.indices([5, 3])(bar)) == [5, 3] and len(mg.select.all()(bar)) == len(bar)
+    assert set(mg.select.box((-1, -1, 3), (1, 1, 5))(bar)) == set(top(bar))
+    assert len(mg.select.component(0)(bar)) == len(bar) and mg.select.half_space((0, 0, 3), "z") == top
+    head = mg.sample("head", 24)
+    assert list(mg.select.loop(0)(head)) == list(head.boundary_loops()[0])
+    assert "half_space" in repr(top) and len({top, mg.select.half_space((0, 0, 3), "z")}) == 1
+    with pytest.raises(mg.InputError) as caught:
+        mg.select.loop(3)(bar)
+    assert caught.value.id == "select.no_loops"
+    with pytest.raises(TypeError):
+        top & [1]
+    with pytest.raises(ValueError):
+        top.grow()
+
+
+def test_files_keep_what_they_have(tmp_path):
+    octopus = mg.sample("octopus", 24)
+    assert mg.write(octopus, tmp_path / "a.ply").files == (tmp_path / "a.ply",)
+    mesh = mg.read(tmp_path / "a.ply")
+    assert mesh.vertex["colour"].dtype == np.uint8 and mesh.notes == () and mesh.unit == ""
+    mg.write(mesh, tmp_path / "b.ply")
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+    moved = mesh.with_vertices(mesh.vertices + 1)
+    assert np.allclose(moved.bounds, mesh.bounds + 1)
+    mg.write(moved, tmp_path / "m.glb", morph_target="up", rest=mesh.vertices)
+    assert np.allclose(mg.read(tmp_path / "m.glb").vertices, mesh.vertices, atol=1e-6)
+    with pytest.raises(ValueError):
+        mg.write(moved, tmp_path / "m.glb", morph_target="up")
+
+
+def test_repair_cut_and_quality(bar, ends):
+    assert mg.check(bar).findings == ()
+    opened = mg.Mesh(bar.vertices, bar.faces[1:])
+    result = mg.repair(opened)
+    assert result.changes[0].kind == "filled-hole" and result.mesh.topology().closed
+    assert mg.repair(bar).mesh is bar
+    cut = mg.cut(bar, plane=((0, 0, 2.05), "z"), keep="both")
+    assert len(cut.loops) == 2 and set(cut.face_side) == {-1, 1} and len(cut.origin.t) == len(cut.mesh)
+    assert len(mg.cut(bar, values=bar.vertices[:, 2] - 1.23, snap=0.0).loops) == 2
+    around = mg.select.indices([int(mg.select.nearest(p)(bar)[0]) for p in
+                                ((0.5, 0, 2), (0, 0.5, 2), (-0.5, 0, 2), (0, -0.5, 2))])
+    assert len(mg.cut(bar, loop=around).loops) == 2
+    bent = mg.deform(bar, handles=ends, poses={"top": bend(80)})
+    quality = mg.quality(bar, bent)
+    assert quality.edge_rms > 0 and quality.new_self_intersections == 0
+    assert mg.quality(bar, bar).edge_rms == 0 and len(mg.self_intersections(bar)) == 0
+    folded = bar.with_vertices(np.where(bar.vertices[:, 2:] > 3, bar.vertices - [0, 0, 2.03], bar.vertices))
+    assert mg.self_intersections(folded).shape[1] == 2 and len(mg.self_intersections(folded)) > 0
+    assert mg.estimated_memory(10_000) > 1_000_000
+    assert bar.vertex_normals().shape == bar.vertices.shape and len(bar.rings()) == len(bar)
+    assert set(bar.components()) == {0} and {info.name for info in mg.samples()} >= {"bar", "octopus"}
+
+
+def test_the_operator_is_a_matrix_of_scipys(bar, ends):
+    pytest.importorskip("scipy")
+    operator = mg.operators.AffineOperator(bar, opposite_pairs=False)
+    count, nodes = len(bar), operator.nodes.positions.shape[0]
+    assert operator.H.shape == (3 * count, nodes) and operator.A().shape[1] == nodes
+    assert abs(operator.coupling() - operator.P.T @ operator.P).max() < 1e-12
+    # Local maps of an affine image are its linear part.
+    matrix = np.array([[1.2, 0.4, 0], [0.1, 0.8, 0.3], [0, -0.2, 1.5]])
+    maps = operator.H @ (operator.nodes.positions @ matrix.T)
+    assert np.allclose(maps.reshape(count, 3, 3), matrix.T, atol=1e-9)
+    assert abs(operator.A() @ (operator.nodes.positions @ matrix.T)).max() < 1e-8
+    assert operator.L.shape[0] == operator.delta.shape[0] and len(operator.pairs) and operator.mean_edge_length > 0
+    assert len(operator.edge_lengths) == count
+    d = mg.Deformer(bar, handles=ends)
+    lower = d.normal_matrix()
+    assert lower.shape[0] == lower.shape[1] and (lower.diagonal() > 0).all() and d.condition_estimate() > 1
+    assert d.affine_operator().H.shape[0] == 3 * len(d.patch_vertices)
+    assert d.summary.free_vertices == len(d.free_vertices) and d.notes == ()
+    assert np.array_equal(d.handle_vertices("top"), ends["top"]) and d.pivot("top").shape == (3,)
+
+
+def test_a_picture_is_an_array_that_notebooks_show(bar, tmp_path):
+    picture = mg.picture(bar, width=64, height=48, samples=1, occlusion_rays=1)
+    assert picture.shape == (48, 64, 3) and picture.dtype == np.uint8
+    assert picture._repr_png_().startswith(b"\x89PNG")
+    two = mg.picture(bar, (bar.vertices, bar.faces), beside=True, captions=["a", "b"], width=64, height=48, samples=1,
+                     colours=[None, np.full((len(bar), 3), 0.5)])
+    assert two.shape[1] >= 128
+    picture.save(tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 100 and bar._repr_png_()
+    assert (picture * 2.0)._repr_png_() is None

@@ -1,0 +1,184 @@
+"""Laws of deformations and grafts, from Python."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import meshgraft as mg
+from conftest import bend
+
+ROTATION = mg.Pose((0.3, -0.2, 0.1), rotate=((1, 2, 3), 100), scale=1.7, pivot=(0.1, 0.2, 0.3))
+SHEAR = np.array([[1.2, 0.4, 0, 1], [0.1, 0.8, 0.3, 2], [0, -0.2, 1.5, 3], [0, 0, 0, 1.0]])
+
+
+def moved(points, matrix):
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+@pytest.mark.parametrize("method", ["ft05", "rotation-aware", "corotational"])
+def test_a_similarity_of_all_handles_moves_the_mesh(bar, ends, method):
+    d = mg.Deformer(bar, handles=ends, method=method)
+    found = d.positions({name: ROTATION for name in ends})
+    wanted = moved(bar.vertices, ROTATION.as_matrix())
+    assert np.abs(found - wanted).max() < 1e-9
+
+
+def test_an_affine_map_of_all_handles_moves_the_mesh(bar, ends):
+    found = mg.deform(bar, handles=ends, poses={"bottom": SHEAR, "top": SHEAR}, method="ft05")
+    assert np.abs(found.vertices - moved(bar.vertices, SHEAR)).max() < 1e-9
+
+
+def test_handles_are_exactly_at_their_poses_and_nothing_else_outside_moves(bar, ends):
+    region = mg.select.half_space((0, 0, 1), "z")
+    d = mg.Deformer(bar, region, {"top": ends["top"]})
+    pose = np.array([[0, -1, 0, 0.5], [1, 0, 0, 0], [0, 0, 1, 0.25], [0, 0, 0, 1.0]])
+    bent = d.evaluate(top=pose)
+    assert np.array_equal(bent.vertices[ends["top"]], moved(bar.vertices[ends["top"]], pose))
+    outside = np.setdiff1d(np.arange(len(bar)), region(bar))
+    assert bent.vertices[outside].tobytes() == bar.vertices[outside].tobytes()
+    assert np.abs(bent.vertices - bar.vertices).max() > 0.1
+    assert set(d.free_vertices).isdisjoint(d.fixed) and set(d.fixed) <= set(d.region)
+
+
+def test_the_result_does_not_depend_on_threads(bar, ends):
+    poses = {"top": bend()}
+    one = mg.Deformer(bar, handles=ends, threads=1).positions(poses)
+    two = mg.Deformer(bar, handles=ends, threads=2).positions(poses)
+    assert one.tobytes() == two.tobytes()
+
+
+def test_all_ways_to_evaluate_agree(bar, ends):
+    poses = {"bottom": mg.Pose(), "top": bend()}
+    d = mg.Deformer(bar, handles=ends)
+    wanted = mg.deform(bar, handles=ends, poses=poses).vertices
+    out = np.empty_like(bar.vertices)
+    assert d.positions(poses, out=out) is out
+    positions, report = d.positions_and_report(top=bend())
+    for found in (out, positions, d.evaluate(poses).vertices, d.positions(top=bend())):
+        assert found.tobytes() == wanted.tobytes()
+    assert report.iterations > 0 and report.residual < 1e-6
+
+
+def test_with_region_agrees_with_a_new_deformer(bar, ends):
+    middle = mg.select.sphere((0.5, 0, 2), 0.3)(bar)
+    first = mg.Deformer(bar, handles=ends)
+    second = first.with_region(None, {**ends, "middle": middle})
+    assert second.summary.reused and second.handles == ("bottom", "top", "middle")
+    fresh = mg.Deformer(bar, handles={**ends, "middle": middle})
+    assert np.abs(second.positions(top=bend()) - fresh.positions(top=bend())).max() < 1e-8
+
+
+def test_quick_frames_are_near_the_exact_ones(bar, ends):
+    linear = mg.Deformer(bar, handles=ends, method="ft05")
+    basis = linear.handle_basis()
+    exact = linear.positions(top=bend())
+    assert np.abs(basis.frame(top=bend()) - exact).max() < 1e-9
+    positions, normals = basis.frame_with_normals(top=bend())
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-5) and basis.has_normals
+    assert np.array_equal(positions, basis.frame(top=bend()))
+    buffers = basis.buffers()
+    assert buffers.blocks.shape == (len(buffers.vertices), 32) and basis.memory_bytes > 0
+    assert basis.pose_matrices(top=bend()).shape == (2, 4, 3)
+    d = mg.Deformer(bar, handles=ends)
+    frames = d.reduced_frames(centres=32)
+    far = np.abs(d.positions(top=bend()) - bar.vertices).max()
+    assert np.abs(frames.frame(top=bend()) - d.positions(top=bend())).max() < 0.1 * far
+    assert frames.centres <= 32 and frames.memory_bytes > 0
+
+
+def test_a_proxy_is_near_the_exact_solve():
+    bar = mg.sample("bar", 40)
+    z = bar.vertices[:, 2]
+    ends = {"bottom": z < 0.3, "top": z > 3.7}
+    proxy = mg.ProxyDeformer(bar, handles=ends, vertices=400)
+    exact = mg.Deformer(bar, handles=ends).positions(top=bend())
+    far = np.abs(exact - bar.vertices).max()
+    assert np.abs(proxy.positions(top=bend()) - exact).max() < 0.1 * far
+    vertices, triangles = proxy.proxy
+    assert triangles.max() == len(vertices) - 1 and proxy.summary.vertices == len(vertices)
+
+
+def test_a_curve_follows_its_new_course():
+    plane = mg.sample("bumpy_plane", 16)
+    curve = mg.select.path([(-0.2, 0, 0), (0.2, 0, 0)])
+    handle = mg.Handle(curve, shape="curve", constrain="both", closed=False)
+    course = [(-0.2, 0, 0.2), (0.2, 0, 0.2)]
+    bent = mg.deform(plane, region=curve.grow(6), handles={"ridge": handle}, poses={"ridge": mg.Pose.curve(course)})
+    assert np.allclose(bent.vertices[curve(plane)][:, 2], 0.2)
+
+
+def test_symmetry_mirrors_a_pose(bar):
+    z = bar.vertices[:, 2]
+    left = mg.select.sphere((-0.5, 0, 2), 0.3)
+    ends = {"bottom": z < 0.3, "top": z > 3.7, "left": left}
+    bent = mg.deform(bar, handles=ends, poses={"left": mg.Pose((-0.3, 0, 0))}, symmetry="x")
+    mirrored = left.mirror("x")(bar)
+    assert np.allclose(bent.vertices[mirrored][:, 0], bar.vertices[mirrored][:, 0] + 0.3)
+    d = mg.Deformer(bar, handles=ends, symmetry="x")
+    assert d.positions(left=mg.Pose((-0.3, 0, 0))).tobytes() == bent.vertices.tobytes()
+
+
+def test_targets_transforms_and_anchors(bar, ends):
+    vertex = int(mg.select.nearest((0.5, 0, 2))(bar)[0])
+    bent = mg.deform(bar, handles=ends, targets={vertex: (0.8, 0, 2)}, transforms={vertex: np.eye(3)},
+                     anchors=[(mg.select.sphere((0, 0.5, 1), 0.2), 5.0)])
+    assert np.array_equal(bent.vertices[vertex], (0.8, 0, 2))
+
+
+def test_a_welded_soup_stays_closed(bar, ends):
+    soup = mg.Mesh(bar.vertices[bar.faces.ravel()], np.arange(3 * len(bar.faces)).reshape(-1, 3))
+    z = soup.vertices[:, 2]
+    handles = {"bottom": z < 0.3, "top": z > 3.7}
+    d = mg.Deformer(soup, handles=handles)
+    found = d.positions(top=bend()).reshape(-1, 3, 3)
+    wanted = mg.deform(soup, handles=handles, poses={"top": bend()}).vertices.reshape(-1, 3, 3)
+    assert found.tobytes() == wanted.tobytes() == d.evaluate(top=bend()).vertices.tobytes()
+    assert len(np.unique(found.reshape(-1, 3), axis=0)) == len(bar)
+
+
+def same_bytes(tmp_path, program, edit, result, name="edit.json"):
+    """Runs a saved edit by the program and compares the files."""
+    edit.save(tmp_path / name)
+    mg.write(result, tmp_path / "python.ply")
+    subprocess.run([program, "run", tmp_path / name, "-o", tmp_path / "program.ply"], check=True, capture_output=True)
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "program.ply").read_bytes()
+
+
+def test_a_deformation_has_the_bytes_of_the_command_line(tmp_path, program):
+    octopus = mg.sample("octopus", 48)
+    arm = mg.select.sphere((1.7, 0.7, 0.3), 0.5)
+    edit = mg.Edit().input("octopus", octopus)
+    edit.deform("octopus", region=arm.grow(8), handles={"arm": arm}, poses={"arm": bend()})
+    result = edit.run().mesh
+    assert not np.array_equal(result.vertices, octopus.vertices)
+    same_bytes(tmp_path, program, edit, result)
+
+
+def test_a_graft_has_the_bytes_of_the_command_line(tmp_path, program):
+    edit = mg.Edit().input("bust", sample="bust", resolution=40).input("head", sample="head", resolution=40)
+    edit.merge("bust", "head", matches=[((0, -0.3, -0.28), (0, -0.3, -0.4))])
+    result = edit.run()
+    same_bytes(tmp_path, program, edit, result.mesh)
+    direct = mg.merge(mg.sample("bust", 40), mg.sample("head", 40), matches=[((0, -0.3, -0.28), (0, -0.3, -0.4))])
+    assert direct.mesh.vertices.tobytes() == result.mesh.vertices.tobytes()
+    assert direct.mesh.topology().manifold and direct.report.seam.closed == direct.mesh.topology().closed
+
+
+def test_a_graft_does_not_depend_on_the_sources_pose():
+    bust, head = mg.sample("bust", 40), mg.sample("head", 40)
+    matches = [(int(mg.select.nearest((0, -0.3, -0.28))(bust)[0]), int(mg.select.nearest((0, -0.3, -0.4))(head)[0]))]
+    first = mg.merge(bust, head, matches=matches)
+    turned = head.with_vertices(moved(head.vertices, ROTATION.as_matrix()))
+    second = mg.merge(bust, turned, matches=matches)
+    assert np.abs(first.mesh.vertices - second.mesh.vertices).max() < 1e-8
+    kept = first.target_map >= 0
+    assert kept.sum() and (first.source_map >= 0).any() and len(first.new_faces) == first.report.seam.new_faces
+    assert first.grafted.shape == head.vertices.shape and first.posing.shape == (4, 4)
+
+
+def test_a_dropped_part_is_grafted_whole():
+    octopus, head = mg.sample("octopus", 48), mg.sample("head", 32)
+    dropped = mg.drop(octopus, head, (0, -0.33, 1.63), size=0.3, spin_deg=30)
+    assert dropped.mesh.topology().closed and dropped.intersections.result >= 0
+    assert dropped.options.size == 0.3
