@@ -49,10 +49,17 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
         step["anchors"] = [_anchor(entry, f"anchors[{i}]", vertices)
                            for i, entry in enumerate(anchors if isinstance(anchors, list) else [anchors])]
     if symmetry is not None:
-        step["symmetry"] = _arrays.plane(symmetry, "symmetry")
+        step["symmetry"] = _symmetry(symmetry)
     if settings:
         step["settings"] = dict(settings)
     return step
+
+
+def _symmetry(value: Any) -> dict[str, Any]:
+    """Reads a plane, or a pair (plane, tolerance)."""
+    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], float):
+        return {**_arrays.plane(value[0], "symmetry[0]"), "tolerance_rel": value[1]}
+    return dict(_arrays.plane(value, "symmetry"))
 
 
 def _anchor(entry: Any, name: str, vertices: int | None) -> dict[str, Any]:
@@ -73,7 +80,8 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     of the handle; others rest. `region`: the vertices that may move, by default all. `fixed`: vertices of the region that
     stay; by default two rings along its boundary. `targets`, `transforms`: positions (3 numbers) and local transforms
     (3x3) by vertex. `anchors`: vertices that are drawn to their rest positions, or pairs (vertices, weight). `symmetry`:
-    a plane (point, normal); an edit on one side happens on the other, too. `proxy`: solve a decimated proxy of about so
+    a plane, (point, normal) or "x" for x = 0; an edit on one side happens on the other, too. A pair (plane, tolerance)
+    tells how far a vertex may be from its mirror image, x the diagonal of the bounding box. `proxy`: solve a decimated proxy of about so
     many vertices. `memory`: bytes that the solve may take. All vertices outside the region keep their bits.
     """
     adapted = adapt(mesh)

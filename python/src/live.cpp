@@ -32,6 +32,8 @@ class LiveHolder {
       : preparation_(std::move(preparation)),
         on_frame_(std::move(on_frame)),
         on_failure_(std::move(on_failure)),
+        delivers_(!on_frame_.is_none()),
+        tells_(!on_failure_.is_none()),
         fork_depth_(fork_depth()) {
     LiveCallbacks callbacks;
     callbacks.frame = [this](const LiveFrame& frame) { take(frame); };
@@ -75,11 +77,21 @@ class LiveHolder {
     if (live_ && fork_depth_ == fork_depth()) live_->close();
   }
 
+  // Python's garbage collector asks for the functions that the object holds, because they may refer to it.
+  int traverse(visitproc visit, void* arg) const {
+    Py_VISIT(on_frame_.ptr());
+    Py_VISIT(on_failure_.ptr());
+    return 0;
+  }
+  void forget_callbacks() { on_frame_ = on_failure_ = nb::none(); }
+
   // Closes and waits for the threads, so that none of them calls Python when the interpreter ends.
   void finish() {
-    if (fork_depth_ != fork_depth()) return;
-    const nb::gil_scoped_release release;
-    live_.reset();
+    if (fork_depth_ == fork_depth()) {
+      const nb::gil_scoped_release release;
+      live_.reset();
+    }
+    forget_callbacks();
   }
 
  private:
@@ -109,29 +121,31 @@ class LiveHolder {
       const std::lock_guard lock(mutex_);
       newest_ = own;
     }
-    if (on_frame_.is_none()) return;
-    call_python([&] { on_frame_(frame_of(own)); });
+    if (delivers_) call_python(on_frame_, [&](const nb::object& callback) { callback(frame_of(own)); });
   }
 
   void fail(std::int64_t pose, const Error& error) {
-    if (on_failure_.is_none()) return;
-    call_python([&] { on_failure_(pose, exception_of(error)); });
+    if (tells_)
+      call_python(on_failure_, [&](const nb::object& callback) { callback(pose, exception_of(error)); });
   }
 
   // Exceptions of the caller's function go to sys.unraisablehook: there is no call that could raise them.
   template <class Work>
-  void call_python(const Work& work) {
+  void call_python(const nb::object& callback, const Work& work) {
     const nb::gil_scoped_acquire acquire;
+    const nb::object kept = callback;
+    if (kept.is_none()) return;  // the object is being collected
     try {
-      work();
+      work(kept);
     } catch (nb::python_error& error) {
       error.restore();
-      PyErr_WriteUnraisable(on_frame_.ptr());
+      PyErr_WriteUnraisable(kept.ptr());
     }
   }
 
   std::shared_ptr<const Preparation> preparation_;
   nb::object on_frame_, on_failure_;
+  bool delivers_, tells_;
   int fork_depth_;
   std::mutex mutex_;
   std::optional<LiveFrame> newest_;
@@ -156,10 +170,24 @@ std::unique_ptr<LiveHolder> make_live(const nb::tuple& given, const nb::object& 
   return std::make_unique<LiveHolder>(std::move(preparation), on_frame, on_failure, live, call);
 }
 
+int traverse_live(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  return nb::inst_ready(self) ? nb::inst_ptr<LiveHolder>(self)->traverse(visit, arg) : 0;
+}
+
+int clear_live(PyObject* self) {
+  nb::inst_ptr<LiveHolder>(self)->forget_callbacks();
+  return 0;
+}
+
+PyType_Slot live_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(traverse_live)},
+                            {Py_tp_clear, reinterpret_cast<void*>(clear_live)},
+                            {0, nullptr}};
+
 }  // namespace
 
 void bind_live(nb::module_& module) {
-  nb::class_<LiveHolder>(module, "LiveDeformer")
+  nb::class_<LiveHolder>(module, "LiveDeformer", nb::type_slots(live_slots))
       .def("drag", &LiveHolder::drag)
       .def("wait", &LiveHolder::wait)
       .def("newest", &LiveHolder::newest)

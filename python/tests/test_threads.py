@@ -1,5 +1,6 @@
 """The GIL, progress, interruption, forks and memory."""
 
+import gc
 import multiprocessing
 import os
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import textwrap
 import threading
 import time
+import weakref
 from pathlib import Path
 
 import numpy as np
@@ -192,6 +194,17 @@ def test_a_live_deformer_tells_why_it_cannot_work(bar, ends):
         time.sleep(0.001)
     live.close()
     assert live.stage in ("failed", "closed") and failures[0].id.startswith("deform.")
+
+
+def test_a_live_deformer_whose_function_knows_it_is_collected(bar, ends):
+    frames = []
+    live = mg.LiveDeformer(bar, handles=ends, on_frame=lambda frame: frames.append(live.stage))
+    live.drag(top=bend())
+    live.wait()
+    gone = weakref.ref(live)
+    del live
+    gc.collect()
+    assert gone() is None and frames
 
 
 def resident():
