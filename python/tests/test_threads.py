@@ -93,7 +93,7 @@ def test_a_bar_is_shown(bar, ends, capsys):
 INTERRUPTED = textwrap.dedent("""
     import os, signal, sys, threading, time
     import meshgraft as mg
-    mesh = mg.sample("bar", 220)
+    mesh = mg.sample("bar", 120)
     z = mesh.vertices[:, 2]
     sent = []
     def interrupt():
