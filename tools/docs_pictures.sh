@@ -38,6 +38,9 @@ shapes bracket_on_posts "0.5 -1 0.6"
 
 (cd page && MESHGRAFT_PIXEL_RATIO=1 MESHGRAFT_SCREENSHOTS=../docs/images node node_modules/vitest/vitest.mjs run tests/e2e/tour.test.ts)
 
+if [ -d build/release/python/meshgraft ]; then
+  PYTHONPATH=build/release/python build/venv/bin/python tools/python_pictures.py
+fi
 python3 tools/method_pictures.py "$program" docs/images
 python3 tools/defect_pictures.py "$program" docs/images
 python3 tools/repair_pictures.py "$program" docs/images
