@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "support/mesh_families.h"
 
 namespace meshgraft {
