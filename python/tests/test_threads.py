@@ -91,8 +91,9 @@ def test_a_bar_is_shown(bar, ends, capsys):
 
 
 INTERRUPTED = textwrap.dedent("""
-    import os, signal, sys, threading, time
+    import os, signal, sys, time
     import meshgraft as mg
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     mesh = mg.sample("bar", 120)
     z = mesh.vertices[:, 2]
     sent = []
