@@ -24,6 +24,7 @@
 #include <meshgraft/core/error.h>
 
 #include "../cli/blas_kernels.h"
+#include "number_list.h"
 #include "support/cancel_cases.h"
 #include "support/check_gaps.h"
 
@@ -132,15 +133,6 @@ void find_gaps(const std::string& name, Index vertices, const test::CancellableC
   const double duration = now() - start, worked = process_seconds() - processor;
   fmt::print("| {} | {} | {:.2f} | {:.2f} | {:.0f} | {} | {} |\n", name, vertices, duration, worked,
              1e3 * gaps.longest_seconds(), gaps.stage(), gaps.checks());
-}
-
-std::vector<Index> numbers(const std::string& text) {
-  std::vector<Index> result;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    result.push_back(static_cast<Index>(std::stol(text.substr(at))));
-    at = std::min(text.find(',', at), text.size());
-  }
-  return result;
 }
 
 Settings parse(int count, char** arguments) {

@@ -20,6 +20,7 @@
 
 #include "../cli/blas_kernels.h"
 #include "bench_edit.h"
+#include "number_list.h"
 
 namespace meshgraft::bench {
 namespace {
@@ -184,15 +185,6 @@ void run_close(const BenchEdit& edit, const LiveOptions& options) {
   }
   fmt::print("destruction: {:.0f} ms in the mean, {:.0f} ms at most (after {:.2f} s)\n", 1e3 * sum / times,
              1e3 * longest, longest_after);
-}
-
-std::vector<Index> numbers(const std::string& text) {
-  std::vector<Index> result;
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    result.push_back(static_cast<Index>(std::stol(text.substr(at))));
-    at = std::min(text.find(',', at), text.size());
-  }
-  return result;
 }
 
 Settings parse(int count, char** arguments) {

@@ -214,7 +214,7 @@ void add_steps(CLI::App& command, RepairArguments& arguments) {
       .add_option(
           "--fill-holes", arguments.hole_edges,
           "Close holes of at most this many edges, 0 for none (default: up to 24, where the hole's area is "
-          "at most 0.5 % of the component's)")
+          "at most 0.5 % of that of the components around it)")
       ->type_name("N")
       ->check(whole_number_from(0, 100000));
   add_choice<HoleFill>(

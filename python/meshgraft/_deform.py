@@ -128,6 +128,9 @@ class _Solver(_Posed[M]):
 
     def _set_up(self, mesh: M, region: Any, handles: Mapping[str, Any], fixed: Any, anchors: Any, symmetry: Any,
                 weld: bool | None, settings: Mapping[str, Any]) -> tuple[Any, ...]:
+        for name in ("proxy", "refine_boundary"):
+            if name in settings:
+                raise TypeError(f"{name!r} is a keyword of deform and of an edit's steps, not of {type(self).__name__}")
         self._adapted = adapt(mesh)
         self._handles = list(handles or {})
         own = self._adapted.mesh
@@ -206,7 +209,7 @@ class Deformer(_Solver[M]):
                  anchors: Any = None, symmetry: Any = None, weld: bool | None = None, threads: int = 0,
                  progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
         given = self._set_up(mesh, region, handles or {}, fixed, anchors, symmetry, weld, settings)
-        self._given_settings = dict(settings)
+        self._given_settings, self._weld = dict(settings), weld
         self._default = (threads, 0, None)
         with calling(threads, None, progress) as call:
             self._core = _core.make_deformer(given, call)
@@ -216,8 +219,8 @@ class Deformer(_Solver[M]):
                     progress: Progress = None) -> Deformer[M]:
         """Returns a Deformer for another region of the same mesh, by the same settings."""
         other: Deformer[M] = Deformer.__new__(Deformer)
-        given = other._set_up(self._adapted.given, region, handles, fixed, anchors, None, None, self._given_settings)
-        other._given_settings, other._default = self._given_settings, self._default
+        given = other._set_up(self._adapted.given, region, handles, fixed, anchors, None, self._weld, self._given_settings)
+        other._given_settings, other._weld, other._default = self._given_settings, self._weld, self._default
         with calling(self._default[0], None, progress) as call:
             other._core = self._core.with_region(given, call)
         return other

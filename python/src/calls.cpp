@@ -80,7 +80,7 @@ struct Report {
   int number, count;
 };
 
-// What the two threads of a call share.
+// The state of a call. Its two threads share it.
 struct Shared {
   std::mutex mutex;
   std::condition_variable changed;

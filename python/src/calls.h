@@ -13,8 +13,8 @@ namespace meshgraft::python {
 
 namespace nb = nanobind;
 
-/// What every long function takes: threads (0: all), the most memory that reading may take (0: three quarters),
-/// and None or a function of a stage and a fraction.
+/// Arguments of every long function: threads (0: all), the most bytes that reading may take (0: three quarters
+/// of the memory), and None or a function of a stage and a fraction.
 struct Call {
   int threads = 0;
   std::uint64_t memory = 0;

@@ -195,7 +195,7 @@ nb::object handle_of(const Holder& holder, std::size_t number) {
   return array_of(holder.preparation->handles().at(number).vertices);
 }
 
-// What both deformers have.
+// Binds the methods that both deformers have.
 template <class Holder>
 void bind_common(nb::class_<Holder>& bound) {
   bound

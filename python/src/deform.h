@@ -19,7 +19,7 @@
 
 namespace meshgraft::python {
 
-/// What Python's Pose holds: a motion, a matrix, or the new course of a curve.
+/// Stands behind Python's Pose: a motion, a matrix, or the new course of a curve.
 struct PoseHolder {
   std::variant<HandleMotion, Eigen::Matrix4d, Points> pose;
 };
@@ -59,7 +59,7 @@ class EvaluationRunner {
   mutable double last_seconds_ = 1;  // the first one may take long
 };
 
-/// What Python's Deformer holds.
+/// Stands behind Python's Deformer.
 struct DeformerHolder {
   std::shared_ptr<const Preparation> preparation;
   std::shared_ptr<const Deformer> deformer;

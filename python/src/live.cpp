@@ -23,8 +23,8 @@ namespace meshgraft::python {
 
 namespace {
 
-// What Python's LiveDeformer holds. The callbacks run on the library's threads; they take the GIL for as long
-// as Python's function runs.
+// Stands behind Python's LiveDeformer. The callbacks run on the library's threads; they take the GIL for as
+// long as Python's function runs.
 class LiveHolder {
  public:
   LiveHolder(std::shared_ptr<const Preparation> preparation, nb::object on_frame, nb::object on_failure,

@@ -8,7 +8,7 @@
 
 namespace meshgraft::python {
 
-/// What Python's Mesh holds. Nobody changes the mesh once it is made, so that arrays may show its memory.
+/// Stands behind Python's Mesh. Nobody changes the mesh once it is made, so that arrays may show its memory.
 struct MeshHolder {
   std::shared_ptr<const Mesh> mesh;
 };

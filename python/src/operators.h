@@ -11,7 +11,7 @@
 
 namespace meshgraft::python {
 
-/// What Python's AffineOperator holds.
+/// Stands behind Python's AffineOperator.
 struct OperatorHolder {
   std::shared_ptr<const AffineOperator> rows;
 };

@@ -182,3 +182,18 @@ def test_a_dropped_part_is_grafted_whole():
     dropped = mg.drop(octopus, head, (0, -0.33, 1.63), size=0.3, spin_deg=30)
     assert dropped.mesh.topology().closed and dropped.intersections.result >= 0
     assert dropped.options.size == 0.3
+
+
+@pytest.mark.parametrize("keyword", [{"proxy": 100}, {"refine_boundary": 1}])
+def test_a_deformer_refuses_keywords_of_steps(bar, ends, keyword):
+    for kind in (mg.Deformer, mg.ProxyDeformer, mg.LiveDeformer):
+        with pytest.raises(TypeError, match=next(iter(keyword))):
+            kind(bar, handles=ends, **keyword)
+
+
+def test_another_region_keeps_what_is_said_of_welding():
+    knot = mg.sample("knot", 24)
+    soup = knot.vertices[knot.faces].reshape(-1, 3), np.arange(3 * len(knot.faces)).reshape(-1, 3)
+    apart = mg.Deformer(soup, handles={"all": np.arange(len(soup[0]))}, weld=False)
+    other = apart.with_region(None, {"all": np.arange(len(soup[0]))})
+    assert len(other.handle_vertices("all")) == len(apart.handle_vertices("all")) == len(soup[0])

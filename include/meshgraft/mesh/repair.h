@@ -43,7 +43,7 @@ struct RepairOptions {
   /// another closed component.
   bool unify_winding = true;
   /// Largest number of edges of a hole that is closed; 0: none. Absent: 24, and only if the hole's area is at
-  /// most 0.5 % of its component's, so that intended openings stay.
+  /// most 0.5 % of the components' around it, so that intended openings stay.
   std::optional<Index> hole_edges{};
   /// Way to fill holes.
   HoleFill hole_fill = HoleFill::plain;

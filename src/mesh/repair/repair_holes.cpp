@@ -357,6 +357,7 @@ bool fill_cracks(RepairSurface& surface, const RepairOptions& options) {
   const HoleBoundary boundary(surface, options);
   const std::vector<std::vector<Index>> loops = boundary.touching_loops();
   if (loops.empty()) return false;
+  surface.context().throw_if_stopped();
   const HoleLimit limit(surface, options.hole_edges);
   HoleFilling filling(surface, boundary, options.hole_fill);
   for (const std::vector<Index>& loop : loops)
