@@ -307,6 +307,12 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
     const auto notes = pose_notes(*report.symmetry, deform.region.handles, deform.poses, problem.rest);
     report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   }
+  for (std::size_t h = 0; h < problem.deform.poses.size(); ++h) {
+    const Handle& handle = problem.deform.region.handles[h];
+    const std::optional<Points>& curve = problem.deform.poses[h].curve;
+    if (curve && is_mirror_image(handle, problem.rest, *curve))
+      report.notes.push_back(facts::script::MirroredCurve{.handle = handle.name});
+  }
   report.counts.vertices = state.mesh.vertex_count();
   report.counts.faces = state.mesh.face_count();
   report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());

@@ -154,8 +154,10 @@ TEST_F(RunEdit, MovesCurvesOfAnyCopiesOfTheirVertices) {
                                             R"({"file": "soup.ply"})"));
     const Points moved = result.mesh.positions - result.rest;
     const Eigen::RowVector3d up(0, 0, 2);
-    for (std::size_t c = 0; c < origin.size(); ++c)
-      if (origin[c] / side == 5) EXPECT_LT((moved.row(static_cast<Index>(c)) - up).norm(), 1e-9) << list;
+    for (std::size_t c = 0; c < origin.size(); ++c) {
+      if (origin[c] / side != 5) continue;
+      EXPECT_LT((moved.row(static_cast<Index>(c)) - up).norm(), 1e-9) << list;
+    }
   }
 }
 
@@ -349,6 +351,22 @@ TEST_F(RunEdit, RedrawnCurvesGoWhereTheyAreDrawn) {
                    "select": {"path": {"points": [[0, 11, 0], [11, 11, 0]]}},
                    "pose": {"curve": [[0, 11, 4], [11, 11, 4]]}}]})"));
   for (Index x = 0; x < side; ++x) EXPECT_NEAR(result.mesh.positions(11 * side + x, 2), 4, 1e-12);
+}
+
+TEST_F(RunEdit, NotesACurveThatIsRedrawnAsItsMirrorImage) {
+  const auto notes_of = [&](const std::string& course) {
+    return run_edit(edit(R"({"kind": "deform", "mesh": "sheet", "handles": [{"name": "corner", "shape": "curve",
+                             "select": {"path": {"points": [[0, 0, 0], [11, 0, 0], [11, 11, 0]]}}, "pose": {"curve": )" +
+                         course + "}}]}"))
+        .report.steps[0]
+        .notes;
+  };
+  EXPECT_TRUE(notes_of("[[0, 0, 0], [11, 0, 0], [11, 11, 0]]").empty());
+  EXPECT_TRUE(notes_of("[[0, 0, 0], [0, 0, 11], [0, 11, 11]]").empty());
+  const std::vector<Note> notes = notes_of("[[0, 0, 0], [11, 0, 0], [11, -11, 0]]");
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].id(), "script.mirrored_curve");
+  EXPECT_EQ(notes[0].get<std::string>("handle"), "corner");
 }
 
 TEST_F(RunEdit, ChecksTheHashOfAFile) {

@@ -71,8 +71,7 @@ struct HandlePose {
   /// The requested rotation inside `transform`, kept so that 270° and 720° are not reduced.
   std::optional<Eigen::AngleAxisd> rotation{};
   /// For a redrawn curve: the new position of each vertex (k×3, model units), used instead of `transform`.
-  /// Local transforms turn the old frame (tangent, normal) into the new one and scale by the ratio of the arc
-  /// lengths.
+  /// Local transforms turn with the curve (`curve_constraints`) and scale by the ratio of the arc lengths.
   std::optional<Points> curve{};
 };
 
@@ -106,19 +105,28 @@ struct RestSurface {
 };
 
 /// Returns the constraints of a curve handle whose vertices move to `redrawn` (one row per vertex), in the
-/// handle's order (Fu & Tai 2005, section 4).
+/// handle's order (Fu & Tai 2005, sections 3.3 and 4).
 ///
-/// The rest frame at each vertex has three axes: the unit tangent t, the vertex normal made orthogonal to t,
-/// and their cross product. The tangent is a central difference, one-sided at the ends of an open curve and
-/// cyclic on a closed one. The new frame has the redrawn curve's tangent t' and the old normal, turned by the
-/// smallest rotation that takes t to t'. Then R = new · oldᵀ is that rotation, S is the ratio of the arc
-/// lengths around the vertex (half of each adjoining segment), and W = S·R. A curve that is not redrawn gives
-/// exactly W = I. Where the tangent is reversed (t' = −t), it turns about the normal.
+/// The curve as a whole turns by the rotation Q that fits the redrawn vertices best to those at rest (Kabsch
+/// 1976, weighted by arc length). Each vertex then turns by the smallest rotation that takes Q t to t', the
+/// unit tangents at rest and redrawn: central differences, one-sided at the ends of an open curve. With both
+/// together R, and S the ratio of the arc lengths around the vertex (half of each adjoining segment), W = S·R.
+///
+/// So a curve that is redrawn as a similar copy of itself, T(curve), has W = the linear part of T, and acts as
+/// a handle with the pose T. A curve in a plane that is redrawn as its mirror image in that plane is turned by
+/// 180° (`is_mirror_image`). How a straight curve turns about itself is unknown: Q is the smallest rotation
+/// where the second singular value of the curve is below 2.5e-4 of the first, and between the two up to 1e-3. A
+/// curve that is not redrawn gives exactly W = I. Where the tangent is reversed (t' = −Q t), it turns about the
+/// normal.
 ///
 /// Throws Error(input) for a handle that is no curve, and with the id deform.curve_without_tangent where
 /// neighbouring points coincide so that the tangent is undefined.
 std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
                                                 const Points& redrawn);
+
+/// Returns whether a curve in a plane is redrawn as its mirror image in that plane, which `curve_constraints`
+/// take for half a turn. Throws Error(input) for a handle that is no curve.
+bool is_mirror_image(const Handle& handle, const Points& rest, const Points& redrawn);
 
 /// Returns the constraints of a handle's vertices under a pose, in their order, as far as the handle
 /// constrains them. The position is u = pose · p; W is the pose's linear part with its rotation and all its

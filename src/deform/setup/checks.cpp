@@ -17,6 +17,12 @@ void require_vertex(Index vertex, Index count, const Location& location) {
     throw Error(facts::core::NoSuchVertex{.vertex = vertex, .count = count}, location);
 }
 
+void require_handle_vertices(const Handle& handle, Index vertex_count) {
+  const Location location = Location::handle(handle.name);
+  if (handle.vertices.empty()) throw Error(facts::deform::NoVertices{}, location);
+  for (const Index v : handle.vertices) require_vertex(v, vertex_count, location);
+}
+
 void require_triangles(const Points& rest, const Triangles& triangles) {
   const auto n = static_cast<Index>(rest.rows());
   for (Index t = 0; t < triangles.rows(); ++t)

@@ -11,6 +11,9 @@ namespace meshgraft {
 /// Throws Error(input) with the id core.no_such_vertex at `location` unless 0 ≤ vertex < count.
 void require_vertex(Index vertex, Index count, const Location& location);
 
+/// Throws Error(input) if the handle is empty or has a vertex index out of range.
+void require_handle_vertices(const Handle& handle, Index vertex_count);
+
 /// Throws Error(input) if a corner of a triangle is not a row of `rest`.
 void require_triangles(const Points& rest, const Triangles& triangles);
 

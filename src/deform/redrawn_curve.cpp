@@ -1,0 +1,254 @@
+// Handles whose curve is redrawn: their new positions and local transforms.
+#include <meshgraft/deform/deform_problem.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/SVD>
+
+#include <meshgraft/core/error.h>
+
+#include "core/facts.h"
+#include "deform/facts.h"
+#include "deform/setup/checks.h"
+#include "deform/solve/rotations.h"
+
+namespace meshgraft {
+
+namespace {
+
+Location location_of(const Handle& handle) { return Location::handle(handle.name); }
+
+void require_curve(const Handle& handle, const Points& rest) {
+  require_handle_vertices(handle, static_cast<Index>(rest.rows()));
+  if (handle.shape != HandleShape::curve) throw Error(facts::deform::NotACurve{}, location_of(handle));
+  const std::size_t needed = handle.closed ? 3 : 2;
+  if (handle.vertices.size() < needed)
+    throw Error(facts::deform::CurveTooShort{.count = handle.vertices.size(),
+                                             .kind = handle.closed ? facts::deform::Kind::closed_curve
+                                                                   : facts::deform::Kind::curve,
+                                             .needed = needed},
+                location_of(handle));
+}
+
+// Returns the rotation by 180° about a unit axis.
+Eigen::Matrix3d half_turn(const Eigen::Vector3d& unit_axis) {
+  return 2 * unit_axis * unit_axis.transpose() - Eigen::Matrix3d::Identity();
+}
+
+// Returns the smallest rotation that takes the unit vector a to the unit vector b. It is exactly I for a = b.
+Eigen::Matrix3d smallest_rotation(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                  const Eigen::Vector3d& normal) {
+  if (a == b) return Eigen::Matrix3d::Identity();
+  const double one_plus_cosine = 0.5 * (a + b).squaredNorm();
+  if (one_plus_cosine < 1e-15) return half_turn(normal);
+  const Eigen::Matrix3d turn = cross_matrix(a.cross(b));
+  return Eigen::Matrix3d::Identity() + turn + turn * turn / one_plus_cosine;
+}
+
+// Returns the unit component of `normal` orthogonal to the unit tangent. If it vanishes, returns any unit
+// vector orthogonal to the tangent.
+Eigen::Vector3d orthogonal_normal(const Eigen::Vector3d& normal, const Eigen::Vector3d& tangent) {
+  const Eigen::Vector3d part = normal - normal.dot(tangent) * tangent;
+  const bool usable = part.allFinite() && part.norm() > 1e-6 * normal.norm();
+  return usable ? Eigen::Vector3d(part.normalized()) : tangent.unitOrthogonal();
+}
+
+// Returns the arc length from the first point to each point, followed by the total length of a closed curve.
+std::vector<double> arc_lengths(const Points& curve, bool closed) {
+  std::vector<double> lengths = {0};
+  for (Eigen::Index k = 1; k < curve.rows(); ++k) {
+    lengths.push_back(lengths.back() + (curve.row(k) - curve.row(k - 1)).norm());
+  }
+  if (closed) lengths.push_back(lengths.back() + (curve.row(0) - curve.row(curve.rows() - 1)).norm());
+  return lengths;
+}
+
+// Returns the arc lengths divided by the total length, from 0 to 1.
+std::vector<double> relative_arc_lengths(const Handle& handle, const Points& curve,
+                                         facts::deform::Curve which) {
+  std::vector<double> lengths = arc_lengths(curve, handle.closed);
+  const double total = lengths.back();
+  if (!std::isfinite(total))
+    throw Error(
+        facts::core::NotFinite{.what = which == facts::deform::Curve::rest ? facts::core::Quantity::rest_curve
+                                                                           : facts::core::Quantity::polyline},
+        location_of(handle));
+  if (total == 0) throw Error(facts::deform::CurveWithoutLength{.curve = which}, location_of(handle));
+  for (double& length : lengths) length /= total;
+  return lengths;
+}
+
+Points rest_curve(const Handle& handle, const Points& rest) {
+  Points curve(static_cast<Eigen::Index>(handle.vertices.size()), 3);
+  for (Eigen::Index k = 0; k < curve.rows(); ++k) curve.row(k) = rest.row(handle.vertices[k]);
+  return curve;
+}
+
+// Returns whether a closed polyline repeats its first point at its end.
+bool returns_to_start(const Points& polyline) {
+  return polyline.rows() > 1 && polyline.row(0) == polyline.row(polyline.rows() - 1);
+}
+
+struct CurveSample {
+  Eigen::Vector3d tangent;  // unit length
+  double length = 0;        // half the length of the adjoining segments
+};
+
+CurveSample sample_curve(const Handle& handle, const Points& curve, Eigen::Index k,
+                         facts::deform::Curve which) {
+  const Eigen::Index n = curve.rows();
+  const Eigen::Index before = k > 0 ? k - 1 : handle.closed ? n - 1 : 0;
+  const Eigen::Index after = k + 1 < n ? k + 1 : handle.closed ? 0 : n - 1;
+  const Eigen::Vector3d incoming = curve.row(k) - curve.row(before);
+  const Eigen::Vector3d outgoing = curve.row(after) - curve.row(k);
+  Eigen::Vector3d direction = curve.row(after) - curve.row(before);
+  if (direction.isZero(0)) direction = outgoing;  // at the tip of a hairpin
+  const CurveSample sample{direction.stableNormalized(), 0.5 * (incoming.norm() + outgoing.norm())};
+  if (direction.isZero(0) || !direction.allFinite() || !std::isfinite(sample.length)) {
+    throw Error(facts::deform::CurveWithoutTangent{.curve = which, .point = k, .vertex = handle.vertices[k]},
+                location_of(handle));
+  }
+  return sample;
+}
+
+// Returns the length that belongs to each vertex of a curve: half of each adjoining segment.
+Eigen::VectorXd vertex_lengths(const Handle& handle, const Points& curve) {
+  const std::vector<double> at = arc_lengths(curve, handle.closed);
+  const Eigen::Index n = curve.rows();
+  Eigen::VectorXd lengths = Eigen::VectorXd::Zero(n);
+  for (std::size_t k = 1; k < at.size(); ++k) {
+    const double half = 0.5 * (at[k] - at[k - 1]);
+    lengths[static_cast<Eigen::Index>(k) - 1] += half;
+    lengths[static_cast<Eigen::Index>(k) % n] += half;
+  }
+  return lengths;
+}
+
+void require_redrawn(const Handle& handle, const Points& redrawn) {
+  const auto needed = static_cast<Eigen::Index>(handle.vertices.size());
+  if (redrawn.rows() != needed)
+    throw Error(
+        facts::core::SizeMismatch{
+            .what = facts::core::Rows::redrawn_points, .given = redrawn.rows(), .needed = needed},
+        location_of(handle));
+}
+
+// Subtracts the mean that the weights give.
+Points centred(const Points& points, const Eigen::VectorXd& weights) {
+  const Points from_first = points.rowwise() - points.row(0);  // keeps precision far from the origin
+  const Eigen::RowVector3d mean = (weights.transpose() * from_first) / weights.sum();
+  return from_first.rowwise() - mean;
+}
+
+// The turn of a curve as a whole.
+struct CurveTurn {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  bool mirrored = false;
+};
+
+// Returns the proper rotation that fits the redrawn curve best to the curve at rest in the least-squares sense,
+// weighted by arc length (Kabsch 1976). Of a straight curve, the turn about itself is unknown: the smallest
+// rotation is taken, about `normal` where the direction is reversed. Curves whose second singular value is
+// from 2.5e-4 to 1e-3 of their size are in between.
+CurveTurn turn_of_curve(const Points& rest, const Points& redrawn, const Eigen::VectorXd& weights,
+                        const Eigen::Vector3d& normal) {
+  const Points before = centred(rest, weights), after = centred(redrawn, weights);
+  if (before == after) return {};
+  const Eigen::Matrix3d covariance = after.transpose() * weights.asDiagonal() * before;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();
+  const Eigen::Vector3d sigma = svd.singularValues();
+  const double sign = u.determinant() * v.determinant() < 0 ? -1 : 1;
+  const Eigen::Matrix3d best = u * Eigen::Vector3d(1, 1, sign).asDiagonal() * v.transpose();
+
+  const double size =
+      std::sqrt(weights.dot(before.rowwise().squaredNorm()) * weights.dot(after.rowwise().squaredNorm()));
+  const double width = std::sqrt(std::max(0.0, sigma[1] + sign * sigma[2]) / size);
+  constexpr double straight = 2.5e-4, wide = 0.99e-3;
+  const double share = std::clamp((width - straight) / (wide - straight), 0.0, 1.0);
+  CurveTurn turn;
+  if (share == 1) {
+    constexpr double flat = 0.1, within_plane = 0.02;  // a third of the width; 11°
+    turn.rotation = best;
+    turn.mirrored = sigma[2] <= flat * sigma[1] && sign * u.col(2).dot(v.col(2)) < within_plane - 1;
+    return turn;
+  }
+  const Eigen::Matrix3d least = smallest_rotation(v.col(0), u.col(0), orthogonal_normal(normal, v.col(0)));
+  const Eigen::Vector3d spin = rotation_log(best * least.transpose());  // about the redrawn curve's direction
+  turn.rotation = rotation_exp(share * share * (3 - 2 * share) * spin) * least;
+  return turn;
+}
+
+}  // namespace
+
+Points redraw_curve(const Handle& handle, const Points& rest, const Points& polyline) {
+  require_curve(handle, rest);
+  const bool repeats_start = handle.closed && returns_to_start(polyline);
+  const Points course = polyline.topRows(polyline.rows() - (repeats_start ? 1 : 0));
+  const Eigen::Index needed = handle.closed ? 3 : 2;
+  if (course.rows() < needed)
+    throw Error(facts::deform::PolylineTooShort{.count = course.rows(), .needed = needed}, location_of(handle));
+  const std::vector<double> wanted =
+      relative_arc_lengths(handle, rest_curve(handle, rest), facts::deform::Curve::rest);
+  const std::vector<double> given = relative_arc_lengths(handle, course, facts::deform::Curve::polyline);
+
+  Points redrawn(static_cast<Eigen::Index>(handle.vertices.size()), 3);
+  for (Eigen::Index k = 0; k < redrawn.rows(); ++k) {
+    // Finds the last point at or before the wanted length. An exact match returns that point without
+    // rounding.
+    const auto above = std::upper_bound(given.begin(), given.end(), wanted[k]);
+    const Eigen::Index from = above - given.begin() - 1;
+    if (wanted[k] == given[from] && from < course.rows()) {
+      redrawn.row(k) = course.row(from);
+      continue;
+    }
+    const double share = (wanted[k] - given[from]) / (given[from + 1] - given[from]);
+    const auto a = course.row(from);
+    const auto b = course.row((from + 1) % course.rows());
+    redrawn.row(k) = a + share * (b - a);
+  }
+  return redrawn;
+}
+
+bool is_mirror_image(const Handle& handle, const Points& rest, const Points& redrawn) {
+  require_curve(handle, rest);
+  require_redrawn(handle, redrawn);
+  const Points curve = rest_curve(handle, rest);
+  return turn_of_curve(curve, redrawn, vertex_lengths(handle, curve), Eigen::Vector3d::Zero()).mirrored;
+}
+
+std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
+                                                const Points& redrawn) {
+  require_curve(handle, rest.points);
+  require_redrawn(handle, redrawn);
+  if (rest.normals.rows() != rest.points.rows())
+    throw Error(facts::core::SizeMismatch{.what = facts::core::Rows::rest_normals,
+                                          .given = rest.normals.rows(),
+                                          .needed = rest.points.rows()},
+                location_of(handle));
+  const Points curve = rest_curve(handle, rest.points);
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (const Index v : handle.vertices) normal += rest.normals.row(v).transpose();
+  const Eigen::Matrix3d turn = turn_of_curve(curve, redrawn, vertex_lengths(handle, curve), normal).rotation;
+  std::vector<VertexConstraint> constraints;
+  for (Eigen::Index k = 0; k < curve.rows(); ++k) {
+    VertexConstraint constraint;
+    constraint.vertex = handle.vertices[k];
+    if (handle.constrain_position) constraint.position = redrawn.row(k).transpose();
+    if (handle.constrain_transform) {
+      const CurveSample before = sample_curve(handle, curve, k, facts::deform::Curve::rest);
+      const CurveSample after = sample_curve(handle, redrawn, k, facts::deform::Curve::redrawn);
+      const Eigen::Vector3d across =
+          orthogonal_normal(rest.normals.row(constraint.vertex).transpose(), before.tangent);
+      // Fu & Tai 2005, section 4: new frame = Q · old frame. The frame turns with the curve first.
+      const Eigen::Matrix3d rotation =
+          smallest_rotation(turn * before.tangent, after.tangent, turn * across) * turn;
+      constraint.transform = after.length / before.length * rotation;
+    }
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
+}  // namespace meshgraft
