@@ -40,7 +40,7 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
   summary.free_vertices = static_cast<Index>(free_.size());
   summary.assemble_seconds = watch.lap();
   if (E_.cols() == 0) return;
-  factorise(options.backend, summary, context);
+  factorise(options, summary, context);
   prepare_similarities(context);
 }
 
@@ -135,9 +135,9 @@ SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) 
 }
 
 /// Returns soft rows weight · (x_i − target). For a vertex i that was moved off its plane, x_i is the
-/// position recovered by FT05 equation 8. With `aware`, the rows of anchors spread over a surface approximate
-/// an integral, like those of E_L and E_R. They are scaled by the free area, so that neither size nor
-/// tessellation matters.
+/// position recovered by FT05 equation 8. With `aware` the weights are first so small that the rows hardly
+/// matter (they approximate an integral over the anchored area, which is set against bending the region over
+/// its size); `weigh_anchors` then makes them what they are to be.
 SparseRows ConstrainedSystem::anchor_rows(Density density) {
   const AffineOperator& op = operators_->rows();
   const double area = region_size_ * region_size_;
@@ -145,8 +145,8 @@ SparseRows ConstrainedSystem::anchor_rows(Density density) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Index v = patch().local(anchors_[a].vertex);
-    const double scale = density == Density::aware ? op.edge_lengths()[v] * op.mean_edge_length() / area : 1.0;
-    anchor_weights_.push_back(anchors_[a].weight * scale);
+    anchor_weights_.push_back(density == Density::aware ? op.edge_lengths()[v] * op.mean_edge_length() / area
+                                                        : anchors_[a].weight);
     const auto add = [&](const SparseRows& matrix, Eigen::Index row, double factor) {
       for (SparseRows::InnerIterator it(matrix, row); it; ++it)
         entries.emplace_back(static_cast<int>(a), static_cast<int>(it.col()),
@@ -219,6 +219,26 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   context.step("assemble", 0.7);
 }
 
+/// Scales each anchor's row so that weight 1 is as stiff as the rest of the energy is against moving the
+/// anchors: where a unit force on all of them moves one by c, its row has the weight w/√c. Motions like that
+/// response are halved by weight 1, whatever the tessellation and the region. The system must be factorised.
+void ConstrainedSystem::weigh_anchors(const Context& context) {
+  const auto count = static_cast<Eigen::Index>(anchors_.size());
+  const Eigen::Map<const Eigen::VectorXd> small(anchor_weights_.data(), count);
+  const SparseRows unit_rows = small.cwiseInverse().asDiagonal() * A_L_.bottomRows(count);
+  const Eigen::MatrixXd force = unit_rows.transpose() * Eigen::VectorXd::Ones(count);
+  Eigen::VectorXd compliance = unit_rows * solver_->solve(force, context);
+  compliance = compliance.cwiseMax(1e-3 * compliance.maxCoeff());
+  Eigen::VectorXd factors = Eigen::VectorXd::Ones(A_L_.rows());
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const double weight = anchors_[a].weight / std::sqrt(compliance[a]);
+    factors[A_L_.rows() - count + a] = weight / anchor_weights_[a];
+    anchor_weights_[a] = weight;
+  }
+  take_over(A_L_, SparseRows(factors.asDiagonal() * A_L_));
+  take_over(A_L_transposed_, transpose(A_L_, context));
+}
+
 /// Computes AᵀA = A_LᵀA_L + Gᵀ(PᵀP)G. PᵀP couples only the maps of pairs and is small.
 NormalMatrix ConstrainedSystem::normal_matrix(const Context& context) const {
   if (E_.cols() == 0) return NormalMatrix(0, 0);
@@ -248,19 +268,26 @@ OrderingGraph ConstrainedSystem::ordering_graph() const {
   return graph;
 }
 
-void ConstrainedSystem::factorise(SolverBackend backend, DeformerSummary& summary, const Context& context) {
+void ConstrainedSystem::factorise(const DeformerOptions& options, DeformerSummary& summary,
+                                  const Context& context) {
   Stopwatch watch;
-  const NormalMatrix normal = normal_matrix(context);
+  NormalMatrix normal = normal_matrix(context);
   context.throw_if_stopped();
   normal_one_norm_ = one_norm(normal);
   context.throw_if_stopped();
   summary.assemble_seconds += watch.lap();
 
-  solver_ = make_solver(backend);
+  solver_ = make_solver(options.backend);
   const OrderingGraph graph = ordering_graph();
   solver_->analyse(normal, graph, context);
   summary.analyse_seconds = watch.lap();
   solver_->factorise(normal, context);
+  if (!anchors_.empty() && options.operators.density == Density::aware) {
+    weigh_anchors(context);
+    normal = normal_matrix(context);
+    normal_one_norm_ = one_norm(normal);
+    solver_->factorise(normal, context);
+  }
   summary.factorise_seconds = watch.lap();
   summary.solver = solver_->statistics();
 }

@@ -145,7 +145,8 @@ class ConstrainedSystem {
   void impose_similarities(Columns& y) const;
   void place_features(const Columns& y, Points& out) const;
   Index count_inverted(const Columns& maps) const;
-  void factorise(SolverBackend backend, DeformerSummary& summary, const Context& context);
+  void weigh_anchors(const Context& context);
+  void factorise(const DeformerOptions& options, DeformerSummary& summary, const Context& context);
   Index count_degenerate() const;
 
   /// Right-hand sides or residuals: one block of columns for E_L, stiffness and anchors, one for E_R.
