@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "io/facts.h"
+#include "mesh/box_diagonal.h"
 #include "obj/materials.h"
 
 namespace meshgraft::io {
@@ -34,6 +35,19 @@ void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_
   if (!names.empty()) notes.push_back(facts::io::AttributesLeftOut{.format = format, .attributes = names});
   for (const std::string& library : material_libraries_of(mesh))
     notes.push_back(facts::io::MaterialsLeftOut{.format = format, .library = library});
+}
+
+bool note_coarse_coordinates(const Mesh& mesh, std::string_view format, std::vector<Note>& notes) {
+  constexpr double coarse_rel = 5e-6;
+  double error = 0;
+  for (const double value : mesh.positions.reshaped<Eigen::RowMajor>())
+    if (std::isfinite(value))
+      error = std::max(error, std::abs(value - static_cast<double>(static_cast<float>(value))));
+  const double size = box_diagonal(mesh.positions);
+  if (!(error > coarse_rel * size)) return false;
+  notes.push_back(facts::io::CoordinatesCoarse{
+      .format = std::string(format), .error = error, .error_rel = size > 0 ? error / size : 1});
+  return true;
 }
 
 }  // namespace meshgraft::io

@@ -15,4 +15,8 @@ namespace meshgraft::io {
 void note_unwritten(const Mesh& mesh, std::string_view format, std::initializer_list<const Attribute*> written,
                     std::vector<Note>& notes);
 
+/// Adds a note if single precision rounds a coordinate by more than 5e-6 of the mesh's size, as far from the
+/// origin. Returns whether it does.
+bool note_coarse_coordinates(const Mesh& mesh, std::string_view format, std::vector<Note>& notes);
+
 }  // namespace meshgraft::io

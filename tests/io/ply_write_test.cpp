@@ -37,6 +37,25 @@ TEST(Ply, AnEditChangesTheBytesOfMovedCoordinatesOnly) {
   }
 }
 
+TEST(Ply, TellsWhereFloatsCannotHoldTheResult) {
+  const TemporaryFolder folder;
+  const auto notes_after_a_move = [&](const char* type, double distance) {
+    Mesh mesh =
+        folder.mesh("in.ply", std::string("ply\nformat ascii 1.0\nelement vertex 3\nproperty ") + type +
+                                  " x\nproperty " + type + " y\nproperty " + type +
+                                  " z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                  "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    mesh.positions.rowwise() += Eigen::RowVector3d(distance + 0.1, 0, 0);
+    return write_mesh(mesh, folder / "out.ply").notes;
+  };
+  EXPECT_TRUE(notes_after_a_move("float", 10).empty());
+  EXPECT_TRUE(notes_after_a_move("double", 1e5).empty());
+  const std::vector<Note> notes = notes_after_a_move("float", 1e5);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].id(), "io.coordinates_coarse");
+  EXPECT_GT(notes[0].get<double>("error_rel"), 1e-4);
+}
+
 TEST(Ply, AnEditOfTextChangesTheWordsOfMovedCoordinatesOnly) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh("in.ply", with_line_ends(rich_ascii(), "\r\n"));

@@ -21,6 +21,7 @@
 #include "io/file_document.h"
 #include "io/number_text.h"
 #include "io/obj/materials.h"
+#include "io/unwritten.h"
 #include "mesh/join.h"
 #include "morph.h"
 #include "split.h"
@@ -318,24 +319,11 @@ class GltfComposer {
       edit_.notes.push_back(facts::io::PolygonsSplit{.format = "glTF", .count = split.polygons});
     if (split.lonely_vertices > 0)
       edit_.notes.push_back(facts::io::VerticesLeftOut{.format = "glTF", .count = split.lonely_vertices});
-    note_precision();
+    note_coarse_coordinates(mesh_, "glTF", edit_.notes);
     for (Note& note : left_out_notes(mesh_)) edit_.notes.push_back(std::move(note));
     for (const std::string& library : material_libraries_of(mesh_))
       edit_.notes.push_back(facts::io::MaterialsNamedOnly{.format = "glTF", .library = library});
     note_attributes();
-  }
-
-  /// Adds a note if floats cannot tell neighbouring vertices apart, because the mesh is far from the origin.
-  void note_precision() {
-    if (mesh_.vertex_count() == 0) return;
-    const Eigen::RowVector3d low = mesh_.positions.colwise().minCoeff();
-    const Eigen::RowVector3d high = mesh_.positions.colwise().maxCoeff();
-    const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
-    const double step = largest * static_cast<double>(std::numeric_limits<float>::epsilon());
-    const double size = (high - low).norm();
-    constexpr double coarse_rel = 1e-5;
-    if (size > 0 && step > coarse_rel * size)
-      edit_.notes.push_back(facts::gltf::CoordinatesRounded{.step = step});
   }
 
   void note_attributes() {

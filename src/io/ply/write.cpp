@@ -15,6 +15,7 @@
 #include "io/facts.h"
 #include "io/number_text.h"
 #include "io/obj/materials.h"
+#include "io/unwritten.h"
 #include "ply.h"
 
 namespace meshgraft::io {
@@ -387,11 +388,14 @@ class PlyComposer {
 Written write_ply(const Mesh& mesh, const std::filesystem::path&, const WriteOptions&, const Context& context) {
   const auto* document = dynamic_cast<const PlyDocument*>(mesh.source.get());
   const bool unchanged = document != nullptr && document->has_topology_of(mesh);
-  if (unchanged) return {PlyPatcher(*document, mesh, context).patch()};
   const bool from_floats = document != nullptr && document->position_type == ScalarType::float32;
   Written written{
-      PlyComposer(mesh, from_floats ? ScalarType::float32 : ScalarType::float64, context).compose()};
-  written.notes = left_out_notes(mesh);
+      unchanged
+          ? PlyPatcher(*document, mesh, context).patch()
+          : PlyComposer(mesh, from_floats ? ScalarType::float32 : ScalarType::float64, context).compose()};
+  if (from_floats) note_coarse_coordinates(mesh, "this PLY file", written.notes);
+  if (unchanged) return written;
+  for (Note& note : left_out_notes(mesh)) written.notes.push_back(std::move(note));
   for (const std::string& library : material_libraries_of(mesh))
     written.notes.push_back(facts::io::MaterialsNamedOnly{.format = "PLY", .library = library});
   return written;

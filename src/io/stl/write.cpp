@@ -193,7 +193,8 @@ class StlComposer {
     if (polygons > 0) notes.push_back(facts::io::PolygonsSplit{.format = "STL", .count = polygons});
     if (isolated > 0) notes.push_back(facts::io::VerticesLeftOut{.format = "STL", .count = isolated});
     if (dropped > 0) notes.push_back(facts::io::FacesLeftOut{.format = "STL", .count = dropped});
-    if (rounded_) notes.push_back(facts::io::CoordinatesRounded{.format = "STL"});
+    if (!note_coarse_coordinates(mesh_, "STL", notes) && rounded_)
+      notes.push_back(facts::io::CoordinatesRounded{.format = "STL"});
   }
 
   const Mesh& mesh_;
