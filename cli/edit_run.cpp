@@ -16,6 +16,7 @@
 #include "io/file.h"
 #include "outputs.h"
 #include "script/facts.h"
+#include "selection_text.h"
 #include "summary.h"
 #include "wording.h"
 
@@ -34,6 +35,17 @@ void require_morph_target(const EditRunArguments& arguments, const EditFile& edi
   if (arguments.output.empty()) throw Error(facts::cli::MorphTargetWithoutOutput{});
   require_morph_targets(arguments.output);
   if (!keeps_faces(edit)) throw Error(facts::cli::MorphTargetOfOtherFaces{}, "--as-morph-target");
+}
+
+// Adds the features of the command line to all deform steps.
+void add_features(const std::vector<std::string>& features, EditFile& edit) {
+  for (const std::string& text : features) {
+    EditSelection selection = selection_from(text, {0}, "--feature");
+    if (auto* file = std::get_if<EditSelection::IndexFile>(&selection.kind))
+      file->file = std::filesystem::absolute(file->file).generic_string();  // not relative to the edit file
+    for (EditStep& step : edit.steps)
+      if (auto* deform = std::get_if<DeformStep>(&step.action)) deform->features.push_back({selection});
+  }
 }
 
 // A mesh of the edit to be saved after the last step, and its file.
@@ -172,6 +184,13 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
       ->expected(0, 1)
       ->default_str("edit");
   add_overrides(command, arguments);
+  command
+      .add_option(
+          "--feature", arguments.features,
+          fmt::format("What keeps its shape up to one similarity, in all deform steps: {}, or JSON as in "
+                      "an edit file; repeatable",
+                      fmt::join(selection_forms, ", ")))
+      ->type_name("SELECTION");
   add_threads(command, arguments.threads);
   add_memory(command, arguments.memory);
   command.add_option("--report", arguments.report, "Write what was done, with measures of quality, as JSON")
@@ -186,7 +205,8 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
 void run_edit_file(const EditRunArguments& arguments, Context context) {
   context.threads = arguments.threads;
   context.memory = arguments.memory;
-  const EditFile edit = read_edit_file(arguments.edit);
+  EditFile edit = read_edit_file(arguments.edit);
+  add_features(arguments.features, edit);
   const std::vector<Save> saves = saves_of(arguments, edit);
   check_outputs(arguments, saves, edit);
   RunOptions options = arguments.run;

@@ -19,6 +19,7 @@ namespace meshgraft::cli {
 struct EditRunArguments {
   std::filesystem::path edit, output, report, picture;  ///< empty: not requested
   std::vector<std::string> saves;                       ///< NAME=FILE
+  std::vector<std::string> features;                    ///< selections
 #ifdef MESHGRAFT_HAS_RENDER
   View view{.width = picture_width, .height = picture_height};
 #endif

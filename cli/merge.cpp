@@ -43,6 +43,7 @@ struct MergeArguments {
   std::vector<std::string> pairs, starts, matches, align;
   std::optional<MergePose> pose;
   std::string fix, reach, mirror, at;
+  std::vector<std::string> features;
   std::optional<double> size, spin_deg;
   std::optional<Index> source_loop;
   double normal_angle_deg = 0;
@@ -136,6 +137,8 @@ MergeStep plain_step(const MergeArguments& arguments) {
   step.pose = arguments.pose.value_or(step.pose);
   step.shape = arguments.run.overrides.shape.value_or(step.shape);
   if (!arguments.fix.empty()) step.fixed = selection_from(arguments.fix, source_loops(step), "--fix");
+  for (const std::string& text : arguments.features)
+    step.features.push_back({selection_from(text, source_loops(step), "--feature")});
   if (!arguments.reach.empty()) step.reach = reach_from(arguments.reach);
   if (!arguments.mirror.empty()) step.mirror = parse_plane(arguments.mirror, "--mirror");
   if (!arguments.at.empty())
@@ -157,9 +160,12 @@ EditFile plain_edit(const MergeArguments& arguments) {
     return folder.empty() ? path.generic_string() : std::filesystem::proximate(path, folder).generic_string();
   };
   MergeStep step = plain_step(arguments);
-  if (step.fixed)
-    if (auto* file = std::get_if<EditSelection::IndexFile>(&step.fixed->kind))
+  const auto move_file = [&](EditSelection& selection) {
+    if (auto* file = std::get_if<EditSelection::IndexFile>(&selection.kind))
       file->file = from_there(file->file);
+  };
+  if (step.fixed) move_file(*step.fixed);
+  for (FeatureSpec& feature : step.features) move_file(feature.select);
   EditFile edit;
   edit.inputs.push_back({.name = "source", .file = from_there(arguments.source)});
   edit.inputs.push_back({.name = "target", .file = from_there(arguments.target)});
@@ -210,6 +216,7 @@ std::string option_behind(const MergeArguments& arguments, std::span<const Locat
   if (word == "matches" && number < arguments.starts.size())
     return repeated("--start", arguments.starts, number);
   if (word == "matches") return repeated("--match", arguments.matches, number - arguments.starts.size());
+  if (word == "features") return repeated("--feature", arguments.features, number);
   if (word == "align") return repeated("--align", arguments.align, number);
   if (word == "at" && parts.size() > 1 && parts[1].name == "source_loop")
     return arguments.source_loop ? "--source-loop" : "--at";
@@ -345,6 +352,10 @@ void add_source_options(CLI::App& command, MergeArguments& arguments) {
                       fmt::format("With --pose keep: what stays of the source: {}, or JSON as in an edit file",
                                   fmt::join(selection_forms, ", ")))
           ->type_name("SELECTION"));
+  plain(command
+            .add_option("--feature", arguments.features,
+                        "What keeps its shape up to one similarity, in the forms of --fix; repeatable")
+            ->type_name("SELECTION"));
   plain(command
             .add_option("--reach", arguments.reach,
                         "Influence radius, how far from its loops the source may deform: 5rings, or a length")

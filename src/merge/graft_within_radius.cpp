@@ -14,13 +14,12 @@ namespace meshgraft {
 
 namespace {
 
-/// Returns the fixed vertices without those of the loops, which move to the target's loops.
-std::vector<Index> fixed_beside_loops(const std::vector<Index>& fixed, std::span<const LoopPair> pairs) {
-  std::set<Index> staying(fixed.begin(), fixed.end());
+/// Throws Error(input) if a vertex of a loop, which moves to the target's loop, is fixed.
+void require_loops_not_fixed(const std::vector<Index>& fixed, std::span<const LoopPair> pairs) {
+  const std::set<Index> staying(fixed.begin(), fixed.end());
   for (const LoopPair& pair : pairs)
-    for (const Index v : pair.source) staying.erase(v);
-  if (staying.empty()) throw Error(facts::merge::FixedAllOnLoops{}, "fixed");
-  return {staying.begin(), staying.end()};
+    for (const Index v : pair.source)
+      if (staying.contains(v)) throw Error(facts::merge::FixedOnLoop{.vertex = v}, "fixed");
 }
 
 /// Solves with the vertices `far` beyond the influence radius, and adds the seconds to those of the search.
@@ -59,8 +58,9 @@ FoundGraft graft_within_radius(const PosedSource& source, std::span<const Vertex
   constexpr std::size_t most_near = 20000;  // chosen, vertices: solves of more take seconds
   const auto count = static_cast<std::size_t>(source.rest.rows());
   const bool radius_given = options.reach.rings || options.reach.length;
+  require_loops_not_fixed(options.fixed, source.pairs);
   if (options.pose == MergePose::keep && !options.fixed.empty() && !radius_given)
-    return solve_beside(fixed_beside_loops(options.fixed, source.pairs), source, constraints, options, context);
+    return solve_beside(options.fixed, source, constraints, options, context);
   const bool one_radius = radius_given || options.shape == MergeShape::ft05 || options.pose == MergePose::keep;
   const IndexLists rings = vertex_rings(static_cast<Index>(count), source.triangles, context);
   std::vector<std::vector<Index>> loops;

@@ -113,6 +113,8 @@ void for_each_step_selection(const DeformStep& step,
     visit(step.handles[i].select, Location("handles")[i] / "select");
   for (std::size_t i = 0; i < step.anchors.size(); ++i)
     visit(step.anchors[i].select, Location("anchors")[i] / "select");
+  for (std::size_t i = 0; i < step.features.size(); ++i)
+    visit(step.features[i].select, Location("features")[i] / "select");
 }
 
 void for_each_step_selection(const MergeStep& step,

@@ -172,6 +172,19 @@ std::vector<AnchorSpec> parse_anchors(const Value& value) {
   return anchors;
 }
 
+}  // namespace
+
+FeatureSpec parse_feature(const Value& value) {
+  const Object fields(value, {"select", "map"});
+  FeatureSpec feature{parse_selection(fields.required("select"))};
+  fields.optional("map", [&](const Value& v) {
+    feature.similarity = v.choice<bool>({{"similarity", true}, {"affine", false}});
+  });
+  return feature;
+}
+
+namespace {
+
 SymmetrySpec parse_symmetry(const Value& value) {
   const Object fields(value, {"point", "normal", "tolerance_rel"});
   SymmetrySpec symmetry{{fields.required("point").vector3(), fields.required("normal").direction()}};
@@ -219,8 +232,9 @@ HandleSpec parse_handle_version_1(const Value& value) {
 }  // namespace
 
 EditStep parse_deform_step(const Value& value) {
-  const Object fields(value, {"kind", "name", "about", "mesh", "result", "region", "fixed", "handles",
-                              "targets", "transforms", "anchors", "symmetry", "settings", "counts"});
+  const Object fields(
+      value, {"kind", "name", "about", "mesh", "result", "region", "fixed", "handles", "targets", "transforms",
+              "anchors", "features", "symmetry", "settings", "counts"});
   DeformStep step;
   step.mesh = fields.required("mesh").name();
   fields.optional("result", [&](const Value& v) { step.result = v.name(); });
@@ -230,6 +244,7 @@ EditStep parse_deform_step(const Value& value) {
   fields.optional("targets", [&](const Value& v) { step.targets = parse_targets(v); });
   fields.optional("transforms", [&](const Value& v) { step.transforms = parse_transforms(v); });
   fields.optional("anchors", [&](const Value& v) { step.anchors = parse_anchors(v); });
+  fields.optional("features", [&](const Value& v) { step.features = parse_list(v, &parse_feature); });
   fields.optional("symmetry", [&](const Value& v) { step.symmetry = parse_symmetry(v); });
   fields.optional("settings", [&](const Value& v) { step.settings = parse_settings(v); });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_counts(v, "region"); });

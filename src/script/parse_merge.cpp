@@ -49,14 +49,6 @@ MergePairSpec parse_pair(const Value& value) {
   return pair;
 }
 
-template <class Element>
-std::vector<Element> parse_list(const Value& value, Element (*parse)(const Value&)) {
-  std::vector<Element> list;
-  for (std::size_t i = 0; i < value.size(); ++i) list.push_back(parse(value[i]));
-  if (list.empty()) value.fail(facts::script::EmptyList{.what = facts::script::Element::element});
-  return list;
-}
-
 DropSpec parse_drop(const Value& value) {
   const Object fields(value, {"vertex", "point", "spin_deg", "source_loop"});
   if (fields.has("vertex") == fields.has("point"))
@@ -82,15 +74,6 @@ Reach parse_reach(const Value& value) {
   fields.optional("rings", [&](const Value& v) { reach.rings = static_cast<int>(v.integer_in(1, max_rings)); });
   fields.optional("length", [&](const Value& v) { reach.length = v.positive_number(); });
   return reach;
-}
-
-MergeFeatureSpec parse_feature(const Value& value) {
-  const Object fields(value, {"select", "map"});
-  MergeFeatureSpec feature{parse_selection(fields.required("select"))};
-  fields.optional("map", [&](const Value& v) {
-    feature.similarity = v.choice<bool>({{"similarity", true}, {"affine", false}});
-  });
-  return feature;
 }
 
 MergeSettings parse_merge_settings(const Value& value) {

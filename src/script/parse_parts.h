@@ -27,6 +27,15 @@ inline void read_count(const json::Object& fields, std::string_view key, std::op
   fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
 }
 
+/// Reads the elements of a list, which must have some.
+template <class Element>
+std::vector<Element> parse_list(const json::Value& value, Element (*parse)(const json::Value&)) {
+  std::vector<Element> list;
+  for (std::size_t i = 0; i < value.size(); ++i) list.push_back(parse(value[i]));
+  if (list.empty()) value.fail(facts::script::EmptyList{.what = facts::script::Element::element});
+  return list;
+}
+
 /// Reads the heading that both kinds of version 1 files have.
 inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
   fields.optional("name", [&](const json::Value& v) { edit.name = v.string(); });
@@ -43,6 +52,7 @@ inline constexpr std::array<std::string_view, 15> deformer_fields = {
     "density", "degenerate",       "apex_height_rel", "noise_length_rel",     "flatness",
     "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
 DeformerOptions parse_deformer(const json::Object& fields);
+FeatureSpec parse_feature(const json::Value& value);
 
 /// Former name of the backend `multifrontal`. Edit files with it are still read, with a note.
 inline constexpr std::string_view former_multifrontal = "cholmod";

@@ -79,6 +79,9 @@ ResolvedProblem refine_once(ResolvedProblem problem, const Context& context) {
   problem.triangles = triangulate(refined.mesh, {.skip_out_of_range = true}).triangles;
 
   Region& region = problem.deform.region;
+  std::vector<int> feature(old_count, -1);
+  for (std::size_t f = 0; f < region.features.size(); ++f)
+    for (const Index v : region.features[f].vertices) feature[v] = static_cast<int>(f);
   std::map<std::array<Index, 2>, Index> middle;
   for (std::size_t i = 0; i < refined.parents.size(); ++i) {
     const Index vertex = old_count + static_cast<Index>(i);
@@ -90,6 +93,7 @@ ResolvedProblem refine_once(ResolvedProblem problem, const Context& context) {
     if (stays(one) && stays(other)) region.fixed.push_back(vertex);
     if (one >= 0 && one == other && region.handles[one].shape == HandleShape::region)
       region.handles[one].vertices.push_back(vertex);
+    if (feature[a] >= 0 && feature[a] == feature[b]) region.features[feature[a]].vertices.push_back(vertex);
   }
   for (std::size_t h = 0; h < region.handles.size(); ++h)
     if (region.handles[h].shape == HandleShape::curve)

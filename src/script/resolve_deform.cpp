@@ -31,9 +31,20 @@ class Roles {
   }
 
   bool is_free(Index v) const { return owner_[v] == nobody; }
+  bool is_movable(Index v) const { return is_free(v) || owner_[v] == of_feature; }
   bool is_inside(Index v) const { return owner_[v] != outside; }
 
   void take(Index vertex, int owner) { owner_[vertex] = owner; }
+
+  /// Assigns `vertices` to a feature. Throws where one of them has a role already.
+  void take_feature(const std::vector<Index>& vertices, const Location& location) {
+    for (const Index v : vertices) {
+      if (!is_inside(v)) throw Error(facts::script::VertexOutsideRegion{.vertex = v}, location);
+      if (owner_[v] == of_feature) throw Error(facts::deform::VertexInTwoFeatures{.vertex = v}, location);
+      if (!is_free(v)) throw Error(facts::deform::FeatureVertexHeld{.vertex = v}, location);
+      owner_[v] = of_feature;
+    }
+  }
 
   /// Assigns `vertices` to the handle of that name. Throws where one of them has a role already.
   void take_all(const std::vector<Index>& vertices, const std::string& name, const Location& location) {
@@ -61,7 +72,7 @@ class Roles {
   /// Returns the name of the handle that a vertex is part of, or null.
   const std::string* holder_of(Index v) const { return owner_[v] < 0 ? nullptr : &handles_[owner_[v]]; }
 
-  static constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
+  static constexpr int outside = -5, nobody = -4, of_feature = -3, fixed = -2, constrained = -1;
 
  private:
   std::vector<std::string> handles_;
@@ -220,7 +231,8 @@ class DeformResolver {
     hold_handles(roles);
     if (symmetry_) hold_twins(roles);
     resolved_.constraints = find_constraints(roles);
-    // Vertices of a default rim that handles or targets do not use are fixed.
+    find_features(roles);
+    // Vertices of a default rim that handles, targets or features do not use are fixed.
     for (const Index v : rim) {
       if (!roles.is_free(v)) continue;
       resolved_.region.fixed.push_back(v);
@@ -236,8 +248,11 @@ class DeformResolver {
  private:
   bool is_whole() const { return std::holds_alternative<Selection::All>(step_.region.kind); }
 
+  // Returns the selected vertices and their mirror images. Only an empty list of indices may select none.
   std::vector<Index> vertices_of(const EditSelection& selection, const Location& where) {
     std::vector<Index> vertices = selections_.vertices(selection, where);
+    const auto* list = std::get_if<Selection::Indices>(&selection.kind);
+    if (vertices.empty() && list == nullptr) throw Error(facts::script::SelectionEmpty{}, where);
     return symmetry_ ? symmetry_->with_images(vertices) : vertices;
   }
 
@@ -326,12 +341,40 @@ class DeformResolver {
     return constraints.list();
   }
 
+  // A feature that overlaps its mirror image is one with it. Otherwise the image is a feature of its own.
+  void find_features(Roles& roles) {
+    for (std::size_t i = 0; i < step_.features.size(); ++i) {
+      const Location where = (location_ / "features")[i] / "select";
+      const std::vector<Index> vertices = selections_.vertices(step_.features[i].select, where);
+      if (vertices.empty()) throw Error(facts::script::SelectionEmpty{}, where);
+      std::vector<std::vector<Index>> parts{vertices};
+      if (symmetry_) {
+        const std::vector<Index> both = symmetry_->with_images(vertices);
+        const bool overlaps = std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
+          return std::binary_search(vertices.begin(), vertices.end(), symmetry_->partner(v));
+        });
+        if (overlaps) {
+          parts = {both};
+        } else {
+          parts.emplace_back();
+          std::set_difference(both.begin(), both.end(), vertices.begin(), vertices.end(),
+                              std::back_inserter(parts.back()));
+        }
+      }
+      for (std::vector<Index>& part : parts) {
+        roles.take_feature(part, where);
+        if (!part.empty())
+          resolved_.region.features.push_back({std::move(part), step_.features[i].similarity, {}});
+      }
+    }
+  }
+
   std::vector<Anchor> find_anchors(const Roles& roles) {
     std::map<Index, Anchor> anchors;
     for (std::size_t i = 0; i < step_.anchors.size(); ++i) {
       const Location where = (location_ / "anchors")[i] / "select";
       for (const Index v : vertices_of(step_.anchors[i].select, where)) {
-        if (!roles.is_free(v)) continue;  // held and immovable vertices need no anchor
+        if (!roles.is_movable(v)) continue;  // held and immovable vertices need no anchor
         if (!anchors.try_emplace(v, Anchor{v, step_.anchors[i].weight, {}}).second)
           throw Error(facts::script::AnchoredTwice{.vertex = v}, where);
       }

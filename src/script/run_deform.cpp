@@ -101,6 +101,7 @@ Solution solve_by_baseline(Baseline method, const ResolvedProblem& problem, cons
                            StepReport& report, const Context& context) {
   const Region& region = problem.deform.region;
   if (!region.anchors.empty()) throw Error(facts::script::NoAnchors{.method = to_string(method)}, "anchors");
+  if (!region.features.empty()) throw Error(facts::script::NoFeatures{.method = to_string(method)}, "features");
   Stopwatch watch;
   context.step("solve");
   const std::vector<VertexConstraint> constraints = joined_constraints(problem, context);

@@ -56,10 +56,12 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
     options.fixed = source.selections.vertices(*step.fixed, location / "fixed");
     if (options.fixed.empty()) throw Error(facts::script::FixedEmpty{}, location / "fixed");
   }
-  for (std::size_t i = 0; i < step.features.size(); ++i)
-    options.features.push_back(
-        {source.selections.vertices(step.features[i].select, (location / "features")[i] / "select"),
-         step.features[i].similarity});
+  for (std::size_t i = 0; i < step.features.size(); ++i) {
+    const Location where = (location / "features")[i] / "select";
+    std::vector<Index> vertices = source.selections.vertices(step.features[i].select, where);
+    if (vertices.empty()) throw Error(facts::script::SelectionEmpty{}, where);
+    options.features.push_back({std::move(vertices), step.features[i].similarity});
+  }
   options.size = step.size;
   options.normal_angle_deg = step.normal_angle_deg;
   options.smooth_boundary = step.smooth_boundary;

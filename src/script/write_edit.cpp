@@ -137,6 +137,10 @@ void write_list(Json& json, const char* key, const List& list, Write write) {
   for (const auto& element : list) json[key].push_back(write(element));
 }
 
+Json feature_json(const FeatureSpec& feature) {
+  return {{"select", selection_json(feature.select)}, {"map", feature.similarity ? "similarity" : "affine"}};
+}
+
 Json symmetry_json(const SymmetrySpec& symmetry) {
   Json json = plane_json(symmetry.plane);
   json["tolerance_rel"] = symmetry.tolerance_rel;
@@ -161,6 +165,7 @@ Json step_json(const EditStep& edit_step, const DeformStep& step) {
   write_list(json, "anchors", step.anchors, [](const AnchorSpec& anchor) {
     return Json{{"select", selection_json(anchor.select)}, {"weight", anchor.weight}};
   });
+  write_list(json, "features", step.features, feature_json);
   if (step.symmetry) json["symmetry"] = symmetry_json(*step.symmetry);
   json["settings"] = settings_json(step.settings);
   if (const Json counts = counts_json(step.counts); !counts.empty()) json["counts"] = counts;
@@ -235,10 +240,7 @@ Json step_json(const EditStep& edit_step, const MergeStep& step) {
   if (step.fixed) json["fixed"] = selection_json(*step.fixed);
   if (step.reach.rings) json["reach"] = {{"rings", *step.reach.rings}};
   if (step.reach.length) json["reach"] = {{"length", *step.reach.length}};
-  write_list(json, "features", step.features, [](const MergeFeatureSpec& feature) {
-    return Json{{"select", selection_json(feature.select)},
-                {"map", feature.similarity ? "similarity" : "affine"}};
-  });
+  write_list(json, "features", step.features, feature_json);
   if (step.smooth_boundary) json["smooth_boundary"] = true;
   if (step.fix_winding) json["fix_winding"] = true;
   json["settings"] = settings_json(step.settings);

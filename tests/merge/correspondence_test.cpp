@@ -32,7 +32,7 @@ TEST(AmbiguousStarts, AreReadBackFromTheirFact) {
 }
 
 TEST(AmbiguousStarts, AreNotReadFromOtherFacts) {
-  EXPECT_THROW(ambiguous_starts(facts::merge::FixedAllOnLoops{}), std::out_of_range);
+  EXPECT_THROW(ambiguous_starts(facts::merge::FixedOnLoop{.vertex = 1}), std::out_of_range);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include <meshgraft/core/error.h>
@@ -367,6 +368,66 @@ TEST_F(RunEdit, NotesACurveThatIsRedrawnAsItsMirrorImage) {
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0].id(), "script.mirrored_curve");
   EXPECT_EQ(notes[0].get<std::string>("handle"), "corner");
+}
+
+TEST_F(RunEdit, FeaturesKeepTheirShape) {
+  const auto step_with = [](const std::string& more) {
+    return R"({"kind": "deform", "mesh": "sheet", "fixed": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+               "handles": [{"name": "far", "select": {"half_space": {"point": [0, 9.5, 0], "normal": [0, 1, 0]}},
+                            "pose": {"rotate": {"axis": [1, 0, 0], "angle_deg": 70}, "translate": [1, 0, 3]}}])" +
+           more + "}";
+  };
+  const auto disc = [](double x) {
+    return R"({"select": {"sphere": {"centre": [)" + std::to_string(x) + R"(, 5.5, 0], "radius": 1.7}}})";
+  };
+  // Returns how far a disc is from the nearest similarity of itself.
+  const auto strain = [&](const EditResult& result, double x) {
+    std::vector<Index> inside;
+    for (Index v = 0; v < result.rest.rows(); ++v)
+      if ((result.rest.row(v) - Eigen::RowVector3d(x, 5.5, 0)).norm() <= 1.7) inside.push_back(v);
+    EXPECT_GT(inside.size(), 6U);
+    Eigen::Matrix3Xd before(3, inside.size()), after(3, inside.size());
+    for (std::size_t k = 0; k < inside.size(); ++k) {
+      before.col(static_cast<Eigen::Index>(k)) = result.rest.row(inside[k]).transpose();
+      after.col(static_cast<Eigen::Index>(k)) = result.mesh.positions.row(inside[k]).transpose();
+    }
+    const Eigen::Matrix4d map = Eigen::umeyama(before, after);
+    return ((map * before.colwise().homogeneous()).topRows<3>() - after).cwiseAbs().maxCoeff();
+  };
+  EXPECT_GT(strain(run_edit(edit(step_with(""))), 3), 0.01);
+  const EditResult one = run_edit(edit(step_with(R"(, "features": [)" + disc(3) + "]")));
+  EXPECT_LT(strain(one, 3), 1e-9);
+  EXPECT_GT(strain(one, 8), 0.01);
+  const EditResult both = run_edit(edit(step_with(R"(, "features": [)" + disc(3) +
+                                                  R"(], "symmetry": {"point": [5.5, 0, 0], "normal": [1, 0, 0],
+                                                                     "tolerance_rel": 0.05})")));
+  EXPECT_LT(strain(both, 3), 1e-9);
+  EXPECT_LT(strain(both, 8), 1e-9);
+}
+
+TEST_F(RunEdit, RefusesFeaturesThatAreHeldAndSelectionsWithoutAVertex) {
+  const auto id_of = [&](const std::string& more) {
+    try {
+      run_edit(edit(step(more)));
+    } catch (const Error& error) {
+      return std::string(error.id()) + " at " + error.location().text();
+    }
+    return std::string("(accepted)");
+  };
+  const std::string nothing = R"({"sphere": {"centre": [99, 0, 0], "radius": 1}})";
+  EXPECT_EQ(id_of(R"(, "features": [{"select": {"indices": [0, 1]}}])"),
+            "deform.feature_vertex_held at edit.json: steps[0].features[0].select");
+  EXPECT_EQ(id_of(R"(, "features": [{"select": )" + nothing + "}]"),
+            "script.selection_empty at edit.json: steps[0].features[0].select");
+  EXPECT_EQ(id_of(R"(, "anchors": [{"select": )" + nothing + "}]"),
+            "script.selection_empty at edit.json: steps[0].anchors[0].select");
+  const auto fix = [](const std::string& selection) {
+    return R"({"kind": "deform", "mesh": "sheet", "fixed": )" + selection + R"(, "handles": [
+               {"name": "side", "select": {"half_space": {"point": [0, 9.5, 0], "normal": [0, 1, 0]}}}]})";
+  };
+  const std::string nothing_fixed = refusal(edit(fix(nothing)));
+  EXPECT_NE(nothing_fixed.find("steps[0].fixed: it selects no vertex"), std::string::npos) << nothing_fixed;
+  EXPECT_EQ(refusal(edit(fix(R"({"indices": []})"))), "(accepted)");
 }
 
 TEST_F(RunEdit, ChecksTheHashOfAFile) {

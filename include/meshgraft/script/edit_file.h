@@ -112,6 +112,13 @@ struct AnchorSpec {
   double weight = Anchor{}.weight;
 };
 
+/// Vertices that keep their shape up to one unknown map (FT05 section 7). In a merge step they are the
+/// source's.
+struct FeatureSpec {
+  EditSelection select;
+  bool similarity = true;  ///< or any affine map
+};
+
 /// Symmetric editing: the edits of a deform step on one side of a plane are mirrored to the other side.
 struct SymmetrySpec {
   Plane plane;
@@ -150,6 +157,7 @@ struct DeformStep {
   std::vector<TargetSpec> targets;        ///< positions per vertex
   std::vector<TransformSpec> transforms;  ///< local transforms per vertex
   std::vector<AnchorSpec> anchors;
+  std::vector<FeatureSpec> features;
   std::optional<SymmetrySpec> symmetry;
   DeformSettings settings;
   ExpectedCounts counts;
@@ -171,11 +179,6 @@ struct MergePairSpec {
   EditSelection source_loop, target_loop;
   /// As `MergePair::matches`; points stand for the loops' nearest vertices. The file's `start` comes first.
   std::vector<MatchSpec> matches;
-};
-
-struct MergeFeatureSpec {
-  EditSelection select;  ///< on the source
-  bool similarity = true;
 };
 
 /// The location and turn of a source that is dropped on a surface without a hole, as in `Drop`.
@@ -217,7 +220,7 @@ struct MergeStep {
   double normal_angle_deg = 0;
   std::optional<EditSelection> fixed;  ///< vertices of the source
   Reach reach;                         ///< a length is in units of the source before it was posed
-  std::vector<MergeFeatureSpec> features;
+  std::vector<FeatureSpec> features;
   bool smooth_boundary = false;
   bool fix_winding = false;
   MergeSettings settings;

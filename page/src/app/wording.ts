@@ -242,9 +242,9 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")} beside the hole, at size ${formatNumber(size, 3)}`,
     remedy: "Drag it to another place, or choose a smaller size.",
   }),
-  "merge.fixed_all_on_loops": () => ({
-    problem: "all that shall stay is on the loops that meet the model, so nothing keeps the pose",
-    remedy: "Paint more of the part beside the loops, or choose Nothing fixed: then what lies beyond reach stays.",
+  "merge.fixed_on_loop": () => ({
+    problem: "what shall stay of the part includes its rim, which moves to the model's",
+    remedy: "Leave the rim out of what stays, or choose Nothing fixed: then what lies beyond reach stays.",
   }),
   "merge.fixed_while_pose_found": () => ({ remedy: "Choose the pose Keep." }),
   "merge.hole_not_manifold": ({ vertex, other_vertex, size }) => ({
