@@ -12,6 +12,10 @@ namespace meshgraft {
 
 namespace {
 
+// Compares costs of 0 and more. Those that differ by rounding alone are equal, so that a symmetric seam does
+// not depend on the pose of the source.
+bool is_less(double a, double b) { return a < b * (1 - 1e-9); }
+
 // One loop of a gap, opened at a start vertex.
 struct Side {
   Points points;   // n+1×3, from the start vertex on, which is repeated at the end
@@ -103,7 +107,7 @@ std::vector<Move> Gap::greedy() const {
     if (is_strip(i + 1, j) && is_strip(i, j + 1)) {
       const double over_first = (first_.points.row(i + 1) - second_.points.row(j)).squaredNorm();
       const double over_second = (first_.points.row(i) - second_.points.row(j + 1)).squaredNorm();
-      if (over_second < over_first) move = on_second;
+      if (is_less(over_second, over_first)) move = on_second;
     }
     moves.push_back(move);
     ++(move == on_first ? i : j);
@@ -158,7 +162,7 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
   const auto relax = [&](Cell& to, Move move, const Cell& from, const Candidate& triangle) {
     for (const Move last : {on_first, on_second}) {
       const double cost = from[last].cost + triangle.cost + fold_cost(from[last].normal, triangle.normal);
-      if (cost < to[move].cost) to[move] = {cost, triangle.normal, last};
+      if (is_less(cost, to[move].cost)) to[move] = {cost, triangle.normal, last};
     }
   };
   for (Index i = 0; i <= n; ++i) {
@@ -179,7 +183,7 @@ std::vector<Move> Gap::optimal(const Eigen::RowVector3d& normal_before, const Co
   }
 
   std::vector<Move> moves;
-  Move last = row[m][on_first].cost <= row[m][on_second].cost ? on_first : on_second;
+  Move last = is_less(row[m][on_second].cost, row[m][on_first].cost) ? on_second : on_first;
   for (Index i = n, j = m; i > 0 || j > 0;) {
     moves.push_back(last);
     const Move previous = before[row_begin[i] + (j - window[i][0])][last];
@@ -211,7 +215,7 @@ std::array<Index, 2> closest_pair(const Points& first, const Points& second) {
   for (Index i = 0; i < static_cast<Index>(first.rows()); ++i) {
     for (Index j = 0; j < static_cast<Index>(second.rows()); ++j) {
       const double distance = (first.row(i) - second.row(j)).squaredNorm();
-      if (distance < least) {
+      if (is_less(distance, least)) {
         least = distance;
         best = {i, j};
       }

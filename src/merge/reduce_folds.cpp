@@ -127,8 +127,9 @@ class Cost {
 bool descend(Points& points, const Cost& cost, Index v) {
   constexpr double difference = 1e-3, longest = 0.1;  // × the mean edge
   constexpr int tries = 8;
+  constexpr double settled = 1e-8;  // radians²: a hundredth of a degree, far above rounding
   const double before = cost.around(points, v);
-  if (!(before > 0)) return false;
+  if (!(before > settled)) return false;
   const Eigen::RowVector3d p = points.row(v);
   const double edge = cost.mean_edge(points, v);
   Eigen::RowVector3d slope;

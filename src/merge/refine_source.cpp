@@ -63,6 +63,7 @@ void refine_around_loops(RefinedSource& source, double edge_ratio, const Context
 void refine_within_radii(RefinedSource& source, const Context& context) {
   // × the loop's radius; measured: of 150 coarse pegs none is squeezed to half (docs/merging.md, "Seam").
   constexpr double longest_rel = 0.35;
+  constexpr double rounding = 1e-9;          // the decision does not depend on the pose of the source
   constexpr std::size_t fewest_around = 12;  // chosen: edges of a regular loop are half its radius
   for (int level = 0; level < most_levels; ++level) {
     const Points& points = source.mesh.positions;
@@ -78,7 +79,7 @@ void refine_within_radii(RefinedSource& source, const Context& context) {
     }
     const auto is_long = [&](Index a, Index b) {
       return !(keeps_its_loop[a] && keeps_its_loop[b]) &&
-             (points.row(a) - points.row(b)).norm() > std::min(longest[a], longest[b]);
+             (points.row(a) - points.row(b)).norm() > (1 + rounding) * std::min(longest[a], longest[b]);
     };
     RefineResult refined = split_edges(source.mesh, is_long, context);
     if (refined.parents.empty()) return;

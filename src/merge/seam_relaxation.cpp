@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <meshgraft/mesh/normals.h>
@@ -28,11 +29,13 @@ struct Corner {
   Vector3d b, c;
   Goal goal;
 
+  double twice_area(const Vector3d& p) const { return (b - p).cross(c - p).dot(goal.normal); }
+
   /// Returns q - r with q = Σ |edge|² / (2 · twice the area), and computes its gradient. The area A is
   /// replaced by (A + √(A² + 4 δ²)) / 2, which is about A where A ≫ δ and positive everywhere. An inverted
   /// triangle therefore has a gradient that turns it over (Escobar et al. 2003).
   double excess(const Vector3d& p, Vector3d& gradient) const {
-    const double area = (b - p).cross(c - p).dot(goal.normal);
+    const double area = twice_area(p);
     const double root = std::hypot(area, 2 * goal.small_area);
     const double positive = (area + root) / 2;
     const double q = ((b - p).squaredNorm() + (c - p).squaredNorm() + (c - b).squaredNorm()) / (2 * positive);
@@ -41,18 +44,26 @@ struct Corner {
   }
 };
 
-double cost(const std::vector<Corner>& corners, const Vector3d& p, Vector3d& gradient) {
-  double sum = 0;
-  gradient.setZero();
-  Vector3d slope;
-  for (const Corner& corner : corners) {
-    const double excess = corner.excess(p, slope);
-    if (excess <= 0) continue;
-    sum += excess * excess;
-    gradient += 2 * excess * slope;
+// The sum of squared excesses at a place of the vertex, with the Gauss-Newton approximation of its derivatives.
+struct Cost {
+  double value = 0;
+  Vector3d gradient = Vector3d::Zero();  // half of it
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
+  bool inverted = false;  // a triangle is turned over
+
+  Cost(const std::vector<Corner>& corners, const Vector3d& p, const Vector3d& normal) {
+    for (const Corner& corner : corners) {
+      Vector3d slope;
+      const double excess = corner.excess(p, slope);
+      if (excess <= 0) continue;
+      slope -= slope.dot(normal) * normal;
+      inverted |= corner.twice_area(p) < corner.goal.small_area;
+      value += excess * excess;
+      gradient += excess * slope;
+      hessian += slope * slope.transpose();
+    }
   }
-  return sum;
-}
+};
 
 std::vector<Corner> corners_at(const Points& points, const Triangles& triangles, std::span<const Index> around,
                                const std::vector<Goal>& goals, Index v) {
@@ -64,22 +75,32 @@ std::vector<Corner> corners_at(const Points& points, const Triangles& triangles,
   return corners;
 }
 
-// Moves a vertex down the gradient in the tangent plane, halving the step until the cost decreases.
+// Moves a vertex in the tangent plane by a step that is halved until the cost decreases: a damped one of Gauss
+// and Newton, which comes to rest; at a triangle that is turned over one along the gradient, which goes
+// farther. Such long steps overshoot elsewhere, and differences of rounding grow tenfold by each sweep.
 bool slide(Points& points, Index v, const std::vector<Corner>& corners, const Vector3d& normal) {
-  constexpr double longest = 0.2;  // × the mean edge
+  constexpr double longest = 0.2;   // × the mean edge
+  constexpr double damping = 1e-3;  // × the mean curvature of the cost
+  constexpr double settled = 1e-8;  // of a harmonic index of 3.5 and more, squared; far above rounding
   constexpr int tries = 6;
   const Vector3d p = points.row(v);
-  Vector3d slope, unused;
-  const double before = cost(corners, p, slope);
-  slope -= slope.dot(normal) * normal;
-  if (!(slope.norm() > 0)) return false;
+  const Cost before(corners, p, normal);
+  if (!(before.value > settled)) return false;
   double edges = 0;
   for (const Corner& corner : corners) edges += (corner.b - p).norm();
-  double length = longest * edges / static_cast<double>(corners.size());
-  for (int k = 0; k < tries; ++k, length /= 2) {
-    const Vector3d moved = p - length * slope.normalized();
-    if (!(cost(corners, moved, unused) < before)) continue;
-    points.row(v) = moved;
+  const double limit = longest * edges / static_cast<double>(corners.size());
+  const double curvature = before.hessian.trace() / 2;
+  if (!(curvature > 0)) return false;
+  Vector3d step = -before.gradient;
+  if (!before.inverted) {
+    const Eigen::Matrix3d damped = before.hessian + damping * curvature * Eigen::Matrix3d::Identity();
+    step = damped.ldlt().solve(step);
+    step -= step.dot(normal) * normal;
+  }
+  if (before.inverted || step.norm() > limit) step *= limit / step.norm();
+  for (int k = 0; k < tries; ++k, step /= 2) {
+    if (!(Cost(corners, p + step, normal).value < before.value)) continue;
+    points.row(v) = p + step;
     return true;
   }
   return false;

@@ -70,7 +70,8 @@ void subdivide(Piece piece, const Points& positions, Index origin, TracedFaces& 
   } else if (splits == 2) {
     while (piece.vertex[5] >= 0) piece = turned(piece, 1);  // edge 20 is the unsplit one
     emit(piece, {{3, 1, 4}}, origin, out);
-    if (length(0, 4) < length(2, 3)) {
+    constexpr double rounding = 1e-9;  // of equal diagonals, one is taken whatever the pose of the mesh
+    if (length(0, 4) < (1 - rounding) * length(2, 3)) {
       emit(piece, {{0, 3, 4}, {0, 4, 2}}, origin, out);
     } else {
       emit(piece, {{0, 3, 2}, {3, 4, 2}}, origin, out);
