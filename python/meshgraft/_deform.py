@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
@@ -32,7 +32,8 @@ M = TypeVar("M")
 def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: Any = None,
                 handles: Mapping[str, Any] | None = None, poses: Mapping[str, Any] | None = None,
                 targets: Mapping[int, ArrayLike] | None = None, transforms: Mapping[int, ArrayLike] | None = None,
-                anchors: Any = None, symmetry: Any = None, settings: Mapping[str, Any] | None = None) -> dict[str, Any]:
+                anchors: Any = None, features: Sequence[Any] | None = None, symmetry: Any = None,
+                settings: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Returns a deform step in the form of an edit file."""
     step: dict[str, Any] = {"kind": "deform", "mesh": mesh, "handles": handle_specs(handles, vertices, poses)}
     if region is not None:
@@ -48,6 +49,8 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
     if anchors is not None:
         step["anchors"] = [_anchor(entry, f"anchors[{i}]", vertices)
                            for i, entry in enumerate(anchors if isinstance(anchors, list) else [anchors])]
+    if features is not None:
+        step["features"] = [feature_spec(entry, f"features[{i}]", vertices) for i, entry in enumerate(features)]
     if symmetry is not None:
         step["symmetry"] = _symmetry(symmetry)
     if settings:
@@ -69,9 +72,17 @@ def _anchor(entry: Any, name: str, vertices: int | None) -> dict[str, Any]:
     return {"select": _texts.spec_of(entry, name, vertices)}
 
 
+def feature_spec(entry: Any, name: str, vertices: int | None) -> dict[str, Any]:
+    """Reads vertices, or a pair (vertices, "similarity" or "affine")."""
+    if isinstance(entry, tuple) and len(entry) == 2 and isinstance(entry[1], str):
+        return {"select": _texts.spec_of(entry[0], name, vertices), "map": entry[1]}
+    return {"select": _texts.spec_of(entry, name, vertices)}
+
+
 def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[str, Any] | None = None,
            region: Any = None, fixed: Any = None, targets: Mapping[int, ArrayLike] | None = None,
-           transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None, symmetry: Any = None,
+           transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None,
+           features: Sequence[Any] | None = None, symmetry: Any = None,
            proxy: int | None = None, refine_boundary: int | None = None, weld: bool | None = None, threads: int = 0,
            memory: int | None = None, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> M:
     """Deforms a mesh once, as `meshgraft deform` does; the result has the type of `mesh`.
@@ -79,16 +90,18 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     `handles`: vertices by name (an array, a mask, a selection or a Handle). `poses`: a Pose or a 4x4 matrix by the name
     of the handle; others rest. `region`: the vertices that may move, by default all. `fixed`: vertices of the region that
     stay; by default two rings along its boundary. `targets`, `transforms`: positions (3 numbers) and local transforms
-    (3x3) by vertex. `anchors`: vertices that are drawn to their rest positions, or pairs (vertices, weight). `symmetry`:
-    a plane, (point, normal) or "x" for x = 0; an edit on one side happens on the other, too. A pair (plane, tolerance)
-    tells how far a vertex may be from its mirror image, x the diagonal of the bounding box. `proxy`: solve a decimated proxy of about so
-    many vertices. `memory`: bytes that the solve may take. All vertices outside the region keep their bits.
+    (3x3) by vertex. `anchors`: vertices that are drawn to their rest positions, or pairs (vertices, weight); weight 1
+    halves what they would move. `features`: sets of free vertices that keep their shape up to one similarity, or pairs
+    (vertices, "affine"). `symmetry`: a plane, (point, normal) or "x" for x = 0; an edit on one side happens on the other,
+    too. A pair (plane, tolerance) tells how far a vertex may be from its mirror image, x the diagonal of the bounding box.
+    `proxy`: solve a decimated proxy of about so many vertices. `memory`: bytes that the solve may take. All vertices
+    outside the region keep their bits.
     """
     adapted = adapt(mesh)
     own = adapted.mesh
     given = {**settings, **_texts.without_none(proxy=proxy, refine_boundary=refine_boundary, weld=weld)}
     step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
-                       transforms=transforms, anchors=anchors, symmetry=symmetry, settings=given)
+                       transforms=transforms, anchors=anchors, features=features, symmetry=symmetry, settings=given)
     options = {"estimate_condition": False, "strict": False, "keep": [], "memory": memory}
     edit = _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deform")
     with calling(threads, memory, progress) as call:
@@ -126,7 +139,8 @@ class _Posed(Generic[M]):
 class _Solver(_Posed[M]):
     """What the exact deformer and the proxy have in common."""
 
-    def _set_up(self, mesh: M, region: Any, handles: Mapping[str, Any], fixed: Any, anchors: Any, symmetry: Any,
+    def _set_up(self, mesh: M, region: Any, handles: Mapping[str, Any], fixed: Any, anchors: Any,
+                features: Sequence[Any] | None, symmetry: Any,
                 weld: bool | None, settings: Mapping[str, Any]) -> tuple[Any, ...]:
         for name in ("proxy", "refine_boundary"):
             if name in settings:
@@ -135,7 +149,7 @@ class _Solver(_Posed[M]):
         self._handles = list(handles or {})
         own = self._adapted.mesh
         step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, anchors=anchors,
-                           symmetry=symmetry, settings={**settings, **_texts.without_none(weld=weld)})
+                           features=features, symmetry=symmetry, settings={**settings, **_texts.without_none(weld=weld)})
         return _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deformer")
 
     def evaluate(self, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0, **named: Any) -> M:
@@ -206,9 +220,9 @@ class Deformer(_Solver[M]):
     """
 
     def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *, fixed: Any = None,
-                 anchors: Any = None, symmetry: Any = None, weld: bool | None = None, threads: int = 0,
-                 progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
-        given = self._set_up(mesh, region, handles or {}, fixed, anchors, symmetry, weld, settings)
+                 anchors: Any = None, features: Sequence[Any] | None = None, symmetry: Any = None, weld: bool | None = None,
+                 threads: int = 0, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
+        given = self._set_up(mesh, region, handles or {}, fixed, anchors, features, symmetry, weld, settings)
         self._given_settings, self._weld = dict(settings), weld
         self._default = (threads, 0, None)
         with calling(threads, None, progress) as call:
@@ -216,10 +230,12 @@ class Deformer(_Solver[M]):
 
     @documented("Deformer.with_region")
     def with_region(self, region: Any, handles: Mapping[str, Any], *, fixed: Any = None, anchors: Any = None,
+                    features: Sequence[Any] | None = None, symmetry: Any = None,
                     progress: Progress = None) -> Deformer[M]:
         """Returns a Deformer for another region of the same mesh, by the same settings."""
         other: Deformer[M] = Deformer.__new__(Deformer)
-        given = other._set_up(self._adapted.given, region, handles, fixed, anchors, None, self._weld, self._given_settings)
+        given = other._set_up(self._adapted.given, region, handles, fixed, anchors, features, symmetry, self._weld,
+                              self._given_settings)
         other._given_settings, other._weld, other._default = self._given_settings, self._weld, self._default
         with calling(self._default[0], None, progress) as call:
             other._core = self._core.with_region(given, call)
@@ -263,9 +279,9 @@ class ProxyDeformer(_Solver[M]):
     """Deforms a region by way of a decimated proxy of about `vertices` vertices. Other arguments as for Deformer."""
 
     def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *, vertices: int = 4000,
-                 fixed: Any = None, anchors: Any = None, symmetry: Any = None, weld: bool | None = None, threads: int = 0,
-                 progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
-        given = self._set_up(mesh, region, handles or {}, fixed, anchors, symmetry, weld, settings)
+                 fixed: Any = None, anchors: Any = None, features: Sequence[Any] | None = None, symmetry: Any = None,
+                 weld: bool | None = None, threads: int = 0, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
+        given = self._set_up(mesh, region, handles or {}, fixed, anchors, features, symmetry, weld, settings)
         self._default = (threads, 0, None)
         with calling(threads, None, progress) as call:
             self._core = _core.make_proxy(given, vertices, call)

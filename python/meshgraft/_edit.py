@@ -97,13 +97,14 @@ class Edit:
 
     def deform(self, mesh: str, *, handles: Mapping[str, Any] | None = None, poses: Mapping[str, Any] | None = None,
                region: Any = None, fixed: Any = None, targets: Mapping[int, ArrayLike] | None = None,
-               transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None, symmetry: Any = None,
+               transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None,
+               features: Sequence[Any] | None = None, symmetry: Any = None,
                result: str | None = None, name: str | None = None, about: str | None = None, proxy: int | None = None,
                refine_boundary: int | None = None, weld: bool | None = None, **settings: Unpack[DeformKeywords]) -> Self:
         """Adds a deform step on a mesh by name. The arguments are those of `meshgraft.deform`."""
         given = {**settings, **_texts.without_none(proxy=proxy, refine_boundary=refine_boundary, weld=weld)}
         step = deform_step(mesh, None, region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
-                           transforms=transforms, anchors=anchors, symmetry=symmetry, settings=given)
+                           transforms=transforms, anchors=anchors, features=features, symmetry=symmetry, settings=given)
         return self._add(step, result, name, about)
 
     def merge(self, target: str, source: str, *, pairs: Sequence[tuple[Any, Any]] | None = None,

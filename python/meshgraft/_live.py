@@ -5,7 +5,7 @@ from __future__ import annotations
 import atexit
 import sys
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
 
@@ -60,10 +60,12 @@ class LiveDeformer(_Posed[M]):
     def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *,
                  on_frame: Callable[[LiveFrame], object] | None = None,
                  on_failure: Callable[[int, Error], object] | None = None, fixed: Any = None, anchors: Any = None,
-                 symmetry: Any = None, weld: bool | None = None, proxy_from: int = 10_000, proxy_vertices: int = 2000,
+                 features: Sequence[Any] | None = None, symmetry: Any = None, weld: bool | None = None,
+                 proxy_from: int = 10_000, proxy_vertices: int = 2000,
                  settle_seconds: float = 0.1, centres: int = 128, samples_per_centre: int = 4,
                  earlier: Deformer[M] | None = None, threads: int = 0, **settings: Unpack[DeformKeywords]) -> None:
-        given = _Solver._set_up(cast(Any, self), mesh, region, handles or {}, fixed, anchors, symmetry, weld, settings)
+        given = _Solver._set_up(cast(Any, self), mesh, region, handles or {}, fixed, anchors, features, symmetry, weld,
+                                settings)
         self._default = (threads, 0, None)
         options = {"proxy_from": proxy_from, "proxy_vertices": proxy_vertices, "settle_seconds": settle_seconds,
                    "centres": centres, "samples_per_centre": samples_per_centre}

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshgraft import _arrays, _core, _texts
 from meshgraft._adapters import adapt
 from meshgraft._calls import Progress, calling
+from meshgraft._deform import feature_spec
 from meshgraft._docs_of import documented
 from meshgraft._facts import Note
 from meshgraft._records import (DeformKeywords, MergeIntersections, MergeOptions, MergePose, MergeReport, MergeShape,
@@ -94,8 +95,7 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
     if "reach_rings" in a or "reach_length" in a:
         step["reach"] = {key.removeprefix("reach_"): a[key] for key in ("reach_rings", "reach_length") if key in a}
     if "features" in a:
-        step["features"] = [{"select": _texts.spec_of(entry, f"features[{i}]", source_size)}
-                            for i, entry in enumerate(a["features"])]
+        step["features"] = [feature_spec(entry, f"features[{i}]", source_size) for i, entry in enumerate(a["features"])]
     if "at" in a:
         vertex = _vertex(a["at"], "at")
         step["at"] = {"vertex" if isinstance(vertex, int) else "point": vertex}
@@ -144,8 +144,8 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
     Without `pairs` and `matches`, the only loop of each mesh meets. `pairs`: (target loop, source loop), each a number, its
     vertices or a selection. `matches`: (target vertex, source vertex), each an index or a point. `mirror`: a plane that
     the source is mirrored in first; `source_transform`: a 4x4 matrix, or `align`: three or more matches, poses it.
-    `features`: vertex sets of the source that keep their shape. `reach_rings`, `reach_length`: how far from its loops the
-    source may deform. `strict`: raise an error where the result intersects itself.
+    `features`: vertex sets of the source that keep their shape, or pairs (vertices, "affine"). `reach_rings`,
+    `reach_length`: how far from its loops the source may deform. `strict`: raise an error where the result intersects itself.
     """
     arguments = dict(pairs=pairs, matches=matches, pose=pose, shape=shape, align=align, mirror=mirror,
                      source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg, fixed=fixed,

@@ -126,6 +126,27 @@ def test_targets_transforms_and_anchors(bar, ends):
     assert np.array_equal(bent.vertices[vertex], (0.8, 0, 2))
 
 
+def test_features_keep_their_shape(bar, ends):
+    disc = mg.select.sphere((0, 0.5, 2), 0.4)
+
+    def strain(positions):
+        before, after = bar.vertices[disc(bar)], positions[disc(bar)]
+        p, q = before - before.mean(0), after - after.mean(0)
+        u, s, v = np.linalg.svd(q.T @ p)
+        turn = u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v
+        scale = (s * [1, 1, np.linalg.det(u @ v)]).sum() / (p**2).sum()
+        return np.abs(scale * p @ turn.T - q).max()
+
+    pose = mg.Pose((0.5, 0, 1), rotate=("x", 60))
+    assert strain(mg.deform(bar, handles=ends, poses={"top": pose}).vertices) > 1e-3
+    kept = mg.deform(bar, handles=ends, poses={"top": pose}, features=[disc])
+    assert strain(kept.vertices) < 1e-9
+    d = mg.Deformer(bar, handles=ends, features=[(disc, "similarity")])
+    assert d.positions(top=pose).tobytes() == kept.vertices.tobytes()
+    with pytest.raises(mg.Error, match="already|held|constrain"):
+        mg.deform(bar, handles=ends, features=[bar.vertices[:, 2] > 3.7])
+
+
 def test_a_welded_soup_stays_closed(bar, ends):
     soup = mg.Mesh(bar.vertices[bar.faces.ravel()], np.arange(3 * len(bar.faces)).reshape(-1, 3))
     z = soup.vertices[:, 2]
