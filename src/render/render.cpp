@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <utility>
 
-#include <embree3/rtcore.h>
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
@@ -16,6 +15,7 @@
 
 #include "core/parallel.h"
 #include "render/facts.h"
+#include "render/ray_tracer.h"
 
 namespace meshgraft::render {
 
@@ -209,80 +209,18 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   return view;
 }
 
-// Embree's device and scene, with the ray queries.
-class Tracer {
- public:
-  Tracer(std::span<const Surface> surfaces, const View& view) : device_(rtcNewDevice("threads=1")) {
-    if (!device_) throw Error(facts::render::NoRayTracer{});
-    scene_.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-    for (const Surface& surface : surfaces) attach(surface, view);
-    rtcCommitScene(scene_.get());
-  }
-
-  RTCRayHit first_hit(const Vec3& origin, const Vec3& direction) const {
-    RTCRayHit hit;
-    hit.ray = make_ray(origin, direction, 1e30f);
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_.get(), &context, &hit);
-    return hit;
-  }
-
-  bool blocked(const Vec3& origin, const Vec3& direction, float reach) const {
-    RTCRay ray = make_ray(origin, direction, reach);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene_.get(), &context, &ray);
-    return ray.tfar < 0.0f;
-  }
-
- private:
-  static RTCRay make_ray(const Vec3& origin, const Vec3& direction, float reach) {
-    RTCRay ray{};
-    ray.org_x = origin.x();
-    ray.org_y = origin.y();
-    ray.org_z = origin.z();
-    ray.dir_x = direction.x();
-    ray.dir_y = direction.y();
-    ray.dir_z = direction.z();
-    ray.tnear = 0.0f;
-    ray.tfar = reach;
-    ray.mask = ~0u;
-    return ray;
-  }
-
-  void attach(const Surface& surface, const View& view) {
-    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    const auto vertices = static_cast<std::size_t>(surface.positions.rows());
-    const auto triangles = static_cast<std::size_t>(surface.triangles.rows());
-    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                               RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
-    auto* corners = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), triangles));
-    for (std::size_t v = 0; v < vertices; ++v)
-      for (int k = 0; k < 3; ++k)
-        points[3 * v + static_cast<std::size_t>(k)] = static_cast<float>(
-            (surface.positions(static_cast<Eigen::Index>(v), k) - view.centre[k]) / view.scale);
-    for (std::size_t i = 0; i < 3 * triangles; ++i)
-      corners[i] = static_cast<unsigned>(surface.triangles.data()[i]);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_.get(), geometry);
-    rtcReleaseGeometry(geometry);
-  }
-
-  template <auto release>
-  struct Release {
-    template <typename T>
-    void operator()(T* object) const {
-      release(object);
+// Returns the triangles of all surfaces, one surface after another, in the view's coordinates.
+std::vector<Triangle> all_triangles(std::span<const Surface> surfaces, const View& view) {
+  std::vector<Triangle> out;
+  for (const Surface& surface : surfaces)
+    for (const auto corners : surface.triangles.rowwise()) {
+      Triangle& triangle = out.emplace_back();
+      for (int c = 0; c < 3; ++c)
+        triangle[static_cast<std::size_t>(c)] =
+            ((surface.positions.row(corners[c]).transpose() - view.centre) / view.scale).cast<float>();
     }
-  };
-  std::unique_ptr<RTCDeviceTy, Release<rtcReleaseDevice>> device_;
-  std::unique_ptr<RTCSceneTy, Release<rtcReleaseScene>> scene_;
-};
+  return out;
+}
 
 // A pixel's colour is plain + open·by_open + key·by_key. The two shares of light come from few random rays.
 // They are stored separately, so that they can be smoothed over neighbouring pixels without blurring the
@@ -316,8 +254,18 @@ struct Pixel {
 
 class Painter {
  public:
-  Painter(std::span<const Surface> surfaces, const View& view, const RenderOptions& options)
-      : surfaces_(surfaces), view_(view), options_(options), tracer_(surfaces, view) {
+  Painter(std::span<const Surface> surfaces, const View& view, const RenderOptions& options,
+          const Context& context)
+      : surfaces_(surfaces),
+        view_(view),
+        options_(options),
+        triangles_(all_triangles(surfaces, view)),
+        tracer_(triangles_, context) {
+    std::uint32_t first = 0;
+    for (const Surface& surface : surfaces) {
+      first_triangles_.push_back(first);
+      first += static_cast<std::uint32_t>(surface.triangles.rows());
+    }
     grid_ = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(options.samples) + 1e-9)));
     occlusion_rays_ = std::max(1, options.occlusion_rays / (grid_ * grid_));
   }
@@ -352,8 +300,8 @@ class Painter {
     const Vec3 direction = (view_.ahead + view_.tangent * ((2.0f * x - width) / height * view_.right +
                                                            (1.0f - 2.0f * y / height) * view_.up))
                                .normalized();
-    const RTCRayHit hit = tracer_.first_hit(view_.eye, direction);
-    if (hit.hit.geomID != RTC_INVALID_GEOMETRY_ID) return surface(hit, direction, strata, random);
+    if (const auto hit = tracer_.first_hit(view_.eye, direction))
+      return surface(*hit, direction, strata, random);
     Pixel out;
     out.plain = backdrop(x / width, y / height);
     out.point = view_.eye + 100.0f * direction;
@@ -383,7 +331,7 @@ class Painter {
     const Basis basis(view_.to_key);
     const float r = key_softness * std::sqrt(random.next()), turn = 2.0f * pi * random.next();
     const Vec3 to_light = (basis.w + r * std::cos(turn) * basis.u + r * std::sin(turn) * basis.v).normalized();
-    return !tracer_.blocked(point, to_light, 1e30f);
+    return !tracer_.blocked(point, to_light);
   }
 
   // Returns the cosine-weighted share of directions that are free up to `reach`. The pixel's rays follow the
@@ -405,17 +353,20 @@ class Painter {
     return static_cast<float>(open) / static_cast<float>(occlusion_rays_);
   }
 
-  Pixel surface(const RTCRayHit& hit, const Vec3& direction, const Strata& strata, Random& random) const {
-    const Surface& surface = surfaces_[hit.hit.geomID];
-    const std::size_t t = hit.hit.primID;
-    const float weights[3] = {1.0f - hit.hit.u - hit.hit.v, hit.hit.u, hit.hit.v};
+  Pixel surface(const RayTracer::Hit& hit, const Vec3& direction, const Strata& strata, Random& random) const {
+    const auto after = std::upper_bound(first_triangles_.begin(), first_triangles_.end(), hit.triangle);
+    const Surface& surface = surfaces_[static_cast<std::size_t>(after - first_triangles_.begin() - 1)];
+    const std::size_t t = hit.triangle - *std::prev(after);
+    const float weights[3] = {1.0f - hit.u - hit.v, hit.u, hit.v};
     const auto corners = surface.triangles.row(static_cast<Eigen::Index>(t));
     Vec3 normal = Vec3::Zero(), colour = Vec3::Zero();
     for (int c = 0; c < 3; ++c) {
       normal += weights[c] * surface.corner_normals[3 * t + static_cast<std::size_t>(c)];
       colour += weights[c] * (surface.colours.empty() ? clay : surface.colours[corners[c]]);
     }
-    Vec3 flat = Vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z).normalized();
+    const auto& [p0, p1, p2] = triangles_[hit.triangle];
+    const Vec3 area_vector = (p1 - p0).cross(p2 - p0);
+    Vec3 flat = area_vector.normalized();
     normal.normalize();
     if (flat.dot(direction) > 0.0f) {  // the inside of an open surface: a darker shade of the same
       flat = -flat;
@@ -424,8 +375,12 @@ class Painter {
     }
     if (normal.dot(direction) > -0.02f)
       normal = (normal - (normal.dot(direction) + 0.02f) * direction).normalized();
-    const Vec3 point = view_.eye + hit.ray.tfar * direction + 2e-4f * flat;
-    if (options_.wireframe) colour += wire_coverage(surface, hit, direction, weights) * (wire - colour);
+    const Vec3 point = view_.eye + hit.distance * direction + 2e-4f * flat;
+    if (options_.wireframe) {
+      const float depth = hit.distance * std::abs(direction.dot(view_.ahead));
+      const float pixel = 2.0f * view_.tangent * depth / static_cast<float>(options_.height);
+      colour += wire_coverage(surface, t, weights, area_vector.norm() / pixel) * (wire - colour);
+    }
 
     Pixel out;
     out.normal = normal;
@@ -449,22 +404,17 @@ class Painter {
     return out;
   }
 
-  // Returns how much of the point a thin line along the triangle's edges covers; the line is about one pixel
-  // wide.
-  float wire_coverage(const Surface& surface, const RTCRayHit& hit, const Vec3& direction,
-                      const float* weights) const {
-    const std::size_t t = hit.hit.primID;
-    const float pixel = 2.0f * view_.tangent * hit.ray.tfar * std::abs(direction.dot(view_.ahead)) /
-                        static_cast<float>(options_.height);
-    const double area2 = Vec3(hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z).norm();
+  // Returns how much of a point a thin line along its triangle's edges covers; the line is about one pixel
+  // wide. The last argument is twice the triangle's area over the size of a pixel.
+  float wire_coverage(const Surface& surface, std::size_t t, const float* weights, float area2) const {
     float cover = 0.0f;
     for (int c = 0; c < 3; ++c) {
       if (!(surface.outlines[t] >> c & 1)) continue;
       const Index a = surface.triangles(static_cast<Eigen::Index>(t), (c + 1) % 3);
       const Index b = surface.triangles(static_cast<Eigen::Index>(t), (c + 2) % 3);
       const double edge = (surface.positions.row(a) - surface.positions.row(b)).norm() / view_.scale;
-      const float away = weights[c] * static_cast<float>(area2 / std::max(edge, 1e-12));
-      cover = std::max(cover, std::clamp(1.1f - away / (0.75f * pixel), 0.0f, 1.0f));
+      const float pixels_away = weights[c] * static_cast<float>(area2 / std::max(edge, 1e-12));
+      cover = std::max(cover, std::clamp(1.1f - pixels_away / 0.75f, 0.0f, 1.0f));
     }
     return 0.55f * cover;
   }
@@ -472,7 +422,9 @@ class Painter {
   std::span<const Surface> surfaces_;
   const View& view_;
   const RenderOptions& options_;
-  Tracer tracer_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint32_t> first_triangles_;  // by surface
+  RayTracer tracer_;
   int grid_ = 1;
   int occlusion_rays_ = 1;
 };
@@ -562,7 +514,7 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
   if (std::none_of(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.triangles.rows() > 0; }))
     throw Error(facts::render::NoFace{});
   const View view = fit_view(surfaces, options);
-  const Painter painter(surfaces, view, options);
+  const Painter painter(surfaces, view, options, context);
 
   context.step("render", 0.0);
   std::vector<Pixel> pixels(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height));
