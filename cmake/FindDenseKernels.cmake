@@ -3,14 +3,20 @@
 #
 #   DenseKernels::DenseKernels    imported target
 #   DenseKernels_FOUND, DenseKernels_VENDOR ("OpenBLAS" or "generic"), DenseKernels_LIBRARIES
+#   DenseKernels_PREFIX           what the names of its functions begin with: "scipy_", or nothing
 #
-# Hints: DenseKernels_ROOT, CMAKE_PREFIX_PATH.
+# Hints: DenseKernels_ROOT, CMAKE_PREFIX_PATH. The folder of the Python package scipy-openblas32, an OpenBLAS for all
+# processors, is such a root.
 
-find_library(DenseKernels_OPENBLAS_LIBRARY openblas)
+find_library(DenseKernels_OPENBLAS_LIBRARY NAMES openblas scipy_openblas NAMES_PER_DIR)
 mark_as_advanced(DenseKernels_OPENBLAS_LIBRARY)
 if(DenseKernels_OPENBLAS_LIBRARY)
   set(DenseKernels_VENDOR "OpenBLAS")
   set(DenseKernels_LIBRARIES "${DenseKernels_OPENBLAS_LIBRARY}")
+  set(DenseKernels_PREFIX "")
+  if(DenseKernels_OPENBLAS_LIBRARY MATCHES "libscipy_openblas")
+    set(DenseKernels_PREFIX "scipy_")
+  endif()
 else()
   find_package(LAPACK QUIET)
   if(LAPACK_FOUND)
