@@ -15,7 +15,7 @@ FUZZ_SECONDS ?= 60
 FACT_TABLES := $(sort $(wildcard src/*/facts.json src/io/*/facts.json)) cli/facts.json python/facts.json
 
 .DEFAULT_GOAL := help
-.PHONY: help demo edit test test-long build install lint format bench bench-page asan tsan fuzz docs-pictures facts clean
+.PHONY: help demo edit test test-long build install wheel lint format bench bench-page asan tsan fuzz docs-pictures facts clean
 
 help: ## this list
 	@echo "meshgraft $$(cat VERSION): make TARGET"
@@ -44,6 +44,10 @@ build: ## the program: build/release/meshgraft
 install: build ## library and program to PREFIX (/usr/local)
 	@cmake --build --preset release
 	@cmake --install build/release --prefix $(PREFIX)
+
+wheel: ## a wheel of the Python package, with the program, to dist/; PYTHON=python3.12: for another interpreter
+	@tools/bootstrap.sh build test
+	@build/venv/bin/python tools/make_wheel.py $(if $(PYTHON),--python $(PYTHON))
 
 lint: ## code style and static analysis
 	@tools/bootstrap.sh build test lint
@@ -83,5 +87,5 @@ docs-pictures: build ## make the pictures of README and docs again
 	@tools/bootstrap.sh docs
 	@tools/docs_pictures.sh
 
-clean: ## remove build/ and out/
-	@rm -rf build out
+clean: ## remove build/, dist/ and out/
+	@rm -rf build dist out
