@@ -57,19 +57,22 @@ Users& users() {
   return instance;
 }
 
-/// Makes OpenBLAS map buffers for this many threads. Throws Error(memory) if there is no room for them.
+/// Makes OpenBLAS map buffers for this many threads. Throws Error(memory) if there is no room for them. Builds
+/// that hide the functions for buffers map them later; for these this only checks the room.
 void map_buffers([[maybe_unused]] int threads) {
 #ifdef __ELF__
   const int missing = threads - users().buffers;
-  if (missing <= 0 || blas_memory_alloc == nullptr) return;
-  constexpr std::size_t buffer_bytes = std::size_t{129} << 20;  // includes room for alignment
+  if (missing <= 0) return;
+  // Includes room for alignment. The buffers of scipy-openblas32, which hides the functions, have 32 MB.
+  const std::size_t buffer_bytes = std::size_t{blas_memory_alloc != nullptr ? 129u : 33u} << 20;
   const std::size_t bytes = missing * buffer_bytes;
   if (!platform::can_reserve_address_space(bytes))
     throw Error(facts::linalg::NoRoomForBuffers{.megabytes = bytes >> 20});
+  users().buffers = threads;
+  if (blas_memory_alloc == nullptr) return;
   std::vector<void*> buffers;
   for (int thread = 0; thread < threads; ++thread) buffers.push_back(blas_memory_alloc(0));
   for (void* const buffer : buffers) blas_memory_free(buffer);
-  users().buffers = threads;
 #endif
 }
 

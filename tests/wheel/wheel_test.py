@@ -8,6 +8,7 @@ import csv
 import hashlib
 import os
 import re
+import resource
 import signal
 import struct
 import subprocess
@@ -201,6 +202,25 @@ class Use(unittest.TestCase):
         self.assertIn("(48, 64, 3)", said)
         self.call("meshgraft", "render", "bar.3mf", "--width", "64", "--height", "48", "-o", "program.png")
         self.assertEqual((self.folder / "program.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_the_program_short_of_memory_says_so(self):
+        self.python("import meshgraft as mg\n"
+                    "octopus = mg.sample('octopus', 64)\n"
+                    "tip = mg.select.nearest((0.65, -1.49, 0.35)).grow(length=0.5)\n"
+                    "edit = mg.Edit().input('octopus', octopus)\n"
+                    "edit.deform('octopus', region=tip.grow(length=1.25), handles={'tip': tip},\n"
+                    "            poses={'tip': mg.Pose(rotate=('z', 40))})\n"
+                    "edit.save('short.json')\n")
+        statuses = set()
+        for megabytes in range(100, 420, 20):
+            def limit():
+                resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+
+            done = subprocess.run([self.venv / "bin/meshgraft", "run", "short.json", "-o", "short.ply"], cwd=self.folder,
+                                  env=self.environment, preexec_fn=limit, capture_output=True, text=True)
+            self.assertIn(done.returncode, (0, 6), f"{megabytes} MB: {done.stdout}{done.stderr}")
+            statuses.add(done.returncode)
+        self.assertEqual(statuses, {0, 6})
 
     def test_it_chooses_kernels_for_the_processor(self):
         said = self.python("import meshgraft._core", OPENBLAS_VERBOSE="2")
