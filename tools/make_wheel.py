@@ -27,6 +27,8 @@ COPYRIGHTS = Path("/usr/share/doc")
 COMMON_LICENCES = Path("/usr/share/common-licenses")
 # Tools of the group build of tools/packages.txt, of which nothing is in the binaries.
 TOOLS = {"g++", "cmake", "ninja-build", "python3", "nodejs", "npm"}
+# Packages of libraries that stay those of the system.
+RUNTIME = {"libc6", "libgcc-s1", "libstdc++6"}
 
 
 def run(*command, **options):
@@ -95,22 +97,21 @@ def linked_libraries(wheel, library_folder):
             for match in re.finditer(r"=> (/\S+)", run("ldd", binary, env=environment))}
 
 
-def packages_of(libraries):
-    """The Debian packages of libraries, without those of the C library and the compiler's runtime."""
-    found = set()
-    for library in libraries:
-        for path in (library, library.resolve(), Path("/usr") / library.relative_to("/")):
-            done = subprocess.run(["dpkg", "-S", str(path)], capture_output=True, text=True)
-            if done.returncode == 0:
-                found.add(done.stdout.split(":")[0])
-                break
-    return found - {"libc6", "libgcc-s1", "libstdc++6", "lib"}
+def package_of(file):
+    """The Debian package of a library or header. dpkg may know it by its path with or without /usr."""
+    for path in (file, file.resolve(), Path("/usr") / file.relative_to("/")):
+        done = subprocess.run(["dpkg", "-S", str(path)], capture_output=True, text=True)
+        if done.returncode == 0:
+            return done.stdout.split(":")[0]
+    sys.exit(f"make_wheel: {file} is of no Debian package, and its licence is unknown")
 
 
 def built_with():
     """The packages whose headers are compiled into the binaries."""
     lines = (ROOT / "tools/packages.txt").read_text(encoding="utf-8").splitlines()
-    return {line.split()[1] for line in lines if line.startswith("build ")} - TOOLS
+    packages = {line.split()[1] for line in lines if line.startswith("build ")} - TOOLS
+    # libboost-dev only names the package of the current version.
+    return packages - {"libboost-dev"} | {package_of(Path("/usr/include/boost/version.hpp"))}
 
 
 def notices(packages, distributions):
@@ -118,6 +119,9 @@ def notices(packages, distributions):
     texts, seen, common = [], set(), set()
     for package in sorted(packages):
         text = (COPYRIGHTS / package / "copyright").read_text(encoding="utf-8", errors="replace")
+        if package.startswith("libboost"):
+            # Boost's licence asks for no notices of compiled code. Those of all its files would be 2 MB.
+            text = re.search(r"^License: BSL-1\.0\n(?: .*\n)+", text, re.MULTILINE)[0]
         common |= {name for name in ("Apache-2.0", "LGPL-2.1", "MPL-2.0") if f"common-licenses/{name}" in text}
         if text not in seen:
             texts.append((package, text))
@@ -125,6 +129,9 @@ def notices(packages, distributions):
     for distribution in distributions:
         files = [file for file in distribution.files if re.search(r"licen[cs]e", file.name, re.IGNORECASE)]
         texts += [(distribution.name, file.locate().read_text(encoding="utf-8")) for file in files]
+        # robin-map, which nanobind brings, has its licence at the head of its source.
+        heads = [file for file in distribution.files if file.name == "robin_map.h"]
+        texts += [("robin-map", file.locate().read_text(encoding="utf-8").split("*/")[0]) for file in heads]
     texts += [(name, (COMMON_LICENCES / name).read_text(encoding="utf-8")) for name in sorted(common)]
     line = "=" * 100
     return "\n".join(f"{line}\n{name}\n{line}\n\n{text.strip()}\n" for name, text in texts)
@@ -154,7 +161,8 @@ def main():
     blas_root, library_folder, blas = openblas()
     python, version = builder(arguments.python)
     wheel = build(python, version, blas_root, WORK / "plain")
-    packages = packages_of(linked_libraries(wheel, library_folder)) | built_with()
+    libraries = {library for library in linked_libraries(wheel, library_folder) if library.parent != library_folder}
+    packages = {package_of(library) for library in libraries} - RUNTIME | built_with()
     add_notices(wheel, notices(packages, [blas, importlib.metadata.distribution("nanobind")]))
 
     repaired = WORK / "repaired"

@@ -114,8 +114,8 @@ class Contents(unittest.TestCase):
         notices = metadata_file("licenses/NOTICES.txt")
         for words in ("METIS", "OpenBLAS", "Threading Building Blocks|tbb", "3MF", "libzip", "OpenSSL", "bzip2",
                       "fmt", "meshoptimizer", "libpng", "util-linux", "SuiteSparse", "eigen", "nlohmann", "nanoflann",
-                      "CLI11", "Boost", "Wenzel Jakob", "Apache License"):
-            self.assertRegex(notices, f"(?i){words}")
+                      "CLI11", "Boost Software License", "Wenzel Jakob", "Goetghebuer-Planchon", "Apache License"):
+            self.assertTrue(re.search(words, notices, re.IGNORECASE), words)
 
     def test_types_are_inside(self):
         for name in ("py.typed", "_core.pyi", "_records.py", "_docs.py", "__main__.py"):
@@ -216,8 +216,9 @@ class Use(unittest.TestCase):
             def limit():
                 resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
 
-            done = subprocess.run([self.venv / "bin/meshgraft", "run", "short.json", "-o", "short.ply"], cwd=self.folder,
-                                  env=self.environment, preexec_fn=limit, capture_output=True, text=True)
+            done = subprocess.run([self.venv / "bin/meshgraft", "run", "short.json", "-o", "short.ply"],
+                                  cwd=self.folder, env=self.environment, preexec_fn=limit, capture_output=True,
+                                  text=True)
             self.assertIn(done.returncode, (0, 6), f"{megabytes} MB: {done.stdout}{done.stderr}")
             statuses.add(done.returncode)
         self.assertEqual(statuses, {0, 6})
