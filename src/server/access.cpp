@@ -1,6 +1,7 @@
 #include "access.h"
 
 #include <algorithm>
+#include <cctype>
 #include <random>
 
 #include <fmt/format.h>
@@ -58,9 +59,27 @@ Target parse_target(std::string_view target) {
   return parsed;
 }
 
-Access::Access(std::string token, std::uint16_t port) : token_(std::move(token)) {
-  for (const char* name : {"127.0.0.1", "[::1]", "localhost"})
+bool is_origin(std::string_view text) {
+  const std::size_t colon = text.find("://");
+  if (colon == std::string_view::npos || colon == 0) return false;
+  const auto consists_of = [](std::string_view part, std::string_view others) {
+    return !part.empty() && std::all_of(part.begin(), part.end(), [&](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || others.find(c) != std::string_view::npos;
+    });
+  };
+  return consists_of(text.substr(0, colon), "+-.") && consists_of(text.substr(colon + 3), "-._:[]");
+}
+
+Access::Access(std::string token, std::uint16_t port, const std::vector<std::string>& proxies)
+    : token_(std::move(token)) {
+  for (const char* name : {"127.0.0.1", "[::1]", "localhost"}) {
     hosts_.push_back(fmt::format("{}:{}", name, port));
+    origins_.push_back("http://" + hosts_.back());
+  }
+  for (const std::string& proxy : proxies) {
+    hosts_.push_back(proxy.substr(proxy.find("://") + 3));
+    origins_.push_back(proxy);
+  }
 }
 
 bool Access::allows_host(std::string_view host) const {
@@ -68,8 +87,7 @@ bool Access::allows_host(std::string_view host) const {
 }
 
 bool Access::allows_origin(std::string_view origin) const {
-  constexpr std::string_view scheme = "http://";
-  return origin.starts_with(scheme) && allows_host(origin.substr(scheme.size()));
+  return std::find(origins_.begin(), origins_.end(), origin) != origins_.end();
 }
 
 bool Access::allows_token(std::string_view token) const {

@@ -22,12 +22,16 @@ struct Target {
 /// Parses a target. Throws Error(input) if it does not begin with a slash, or if its escapes are broken.
 Target parse_target(std::string_view target);
 
+/// Returns whether a text is an origin as browsers write it, SCHEME://HOST or SCHEME://HOST:PORT.
+bool is_origin(std::string_view text);
+
 /// Decides which requests the server accepts: those from its own pages, opened with the full address. Another
 /// site in the same browser cannot read the token and sends its own Origin. Under another name for this
 /// address (DNS rebinding) it sends another Host.
 class Access {
  public:
-  Access(std::string token, std::uint16_t port);
+  /// `proxies`: origins of servers that forward requests to this one, and leave Host and Origin as they are.
+  Access(std::string token, std::uint16_t port, const std::vector<std::string>& proxies = {});
 
   bool allows_host(std::string_view host) const;
   bool allows_origin(std::string_view origin) const;
@@ -35,7 +39,7 @@ class Access {
 
  private:
   std::string token_;
-  std::vector<std::string> hosts_;
+  std::vector<std::string> hosts_, origins_;
 };
 
 }  // namespace meshgraft

@@ -12,6 +12,7 @@
 #include <variant>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -48,11 +49,13 @@ using Response = http::response<http::string_body>;
 constexpr std::size_t header_limit = 16 * 1024;
 
 /// Allows only the page's own files and this server; `blob:` and `data:` are for pictures that the page
-/// makes.
-constexpr const char* content_policy =
-    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' "
-    "blob:; "
-    "frame-ancestors 'none'";
+/// makes. No page may frame this one, except those of the given origins.
+std::string content_policy(const std::vector<std::string>& frame_origins) {
+  return fmt::format(
+      "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; worker-src 'self' "
+      "blob:; frame-ancestors {}",
+      frame_origins.empty() ? "'none'" : fmt::to_string(fmt::join(frame_origins, " ")));
+}
 
 Response respond(const Request& request, http::status status, std::string_view content_type,
                  std::string_view body) {
@@ -61,7 +64,6 @@ Response respond(const Request& request, http::status status, std::string_view c
   response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
-  response.set("Content-Security-Policy", content_policy);
   response.keep_alive(request.keep_alive());
   response.body().assign(body);
   response.prepare_payload();
@@ -234,11 +236,18 @@ struct Server::Impl {
   tcp::acceptor acceptor{io};
   std::string token = random_token();
   std::unique_ptr<Access> access;
+  std::string policy;
+  asio::steady_timer leaving{io};  // runs while no page is open
+  bool ends_after_pages = false;
   std::list<std::weak_ptr<Connection>> pages;
   std::size_t connections = 0;
   std::uint64_t uploaded_bytes = 0;
 
   void take_address();
+  void end();
+  void end_after(std::chrono::milliseconds time);
+  void note_page_left();
+  void note_request();
   error_code listen(std::uint16_t port);
   error_code listen(const asio::ip::address& address, std::uint16_t port);
   asio::awaitable<void> accept();
@@ -276,7 +285,34 @@ void Server::Impl::take_address() {
   if (failed)
     throw Error(facts::server::AddressNotTaken{.reason = failed.message()},
                 Location::place(fmt::format("127.0.0.1:{}", options.port)));
-  access = std::make_unique<Access>(token, acceptor.local_endpoint().port());
+  access = std::make_unique<Access>(token, acceptor.local_endpoint().port(), options.frame_origins);
+}
+
+void Server::Impl::end() {
+  error_code ignored;
+  acceptor.close(ignored);
+  for (const auto& one : pages)
+    if (const auto connection = one.lock()) connection->close();
+  io.stop();
+}
+
+// A page that loads needs its files first, and they may take long to arrive and to run.
+void Server::Impl::note_request() {
+  if (options.linger && !ends_after_pages && leaving.expiry() > std::chrono::steady_clock::now())
+    end_after(*options.linger);
+}
+
+void Server::Impl::end_after(std::chrono::milliseconds time) {
+  leaving.expires_after(time);
+  leaving.async_wait([this](error_code cancelled) {
+    if (!cancelled && (pages.empty() || ends_after_pages)) end();
+  });
+}
+
+void Server::Impl::note_page_left() {
+  if (!pages.empty()) return;
+  if (ends_after_pages) return end();
+  if (options.linger) end_after(*options.linger);
 }
 
 asio::awaitable<void> Server::Impl::accept() {
@@ -395,8 +431,9 @@ asio::awaitable<void> Server::Impl::talk(beast::tcp_stream stream, const Request
   co_await socket.async_accept(request, asio::redirect_error(asio::use_awaitable, failed));
   if (failed) co_return;
   pages.push_back(connection);
+  if (!ends_after_pages) leaving.expires_at({});
   asio::co_spawn(io, write_of(connection), asio::detached);
-  const std::unique_ptr<PageSession> session = make_session(connection->mailbox());
+  std::unique_ptr<PageSession> session = make_session(connection->mailbox());
   beast::flat_buffer buffer;
   while (!failed) {
     co_await socket.async_read(buffer, asio::redirect_error(asio::use_awaitable, failed));
@@ -406,7 +443,9 @@ asio::awaitable<void> Server::Impl::talk(beast::tcp_stream stream, const Request
     buffer.consume(buffer.size());
   }
   connection->close();
+  session.reset();
   pages.remove_if([&](const auto& one) { return one.lock() == connection; });
+  note_page_left();
 }
 
 asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
@@ -449,7 +488,9 @@ asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
     } catch (const Error& error) {
       response = refuse(request, http::status::bad_request, error.what());
     }
+    response.set("Content-Security-Policy", policy);
     goes_on = response.keep_alive();
+    note_request();
     stream.expires_after(options.patience);
     co_await http::async_write(stream, response, asio::redirect_error(asio::use_awaitable, failed));
     if (failed) break;
@@ -461,6 +502,7 @@ asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
 Server::Server(ServerOptions options, std::span<const PageFile> page, MakeSession make_session)
     : impl_(std::make_unique<Impl>()) {
   impl_->options = std::move(options);
+  impl_->policy = content_policy(impl_->options.frame_origins);
   impl_->page = page;
   impl_->make_session = std::move(make_session);
   impl_->take_address();
@@ -477,16 +519,16 @@ std::uint16_t Server::port() const { return impl_->acceptor.local_endpoint().por
 
 void Server::run(const std::stop_token& stop) {
   asio::co_spawn(impl_->io, impl_->accept(), asio::detached);
-  const std::stop_callback on_stop(stop, [this] {
-    asio::post(impl_->io, [this] {
-      error_code ignored;
-      impl_->acceptor.close(ignored);
-      for (const auto& one : impl_->pages)
-        if (const auto connection = one.lock()) connection->close();
-      impl_->io.stop();
-    });
-  });
+  const std::stop_callback on_stop(stop, [this] { asio::post(impl_->io, [this] { impl_->end(); }); });
   impl_->io.run();
+}
+
+void Server::end_after_pages() {
+  asio::post(impl_->io, [this] {
+    impl_->ends_after_pages = true;
+    if (impl_->pages.empty()) return impl_->end();
+    if (impl_->options.linger) impl_->end_after(*impl_->options.linger);
+  });
 }
 
 }  // namespace meshgraft

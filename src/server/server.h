@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -55,6 +56,11 @@ struct ServerOptions {
   std::size_t connection_limit = 256;                    ///< connections at the same time; others are closed
   std::chrono::milliseconds patience = std::chrono::seconds(30);  ///< with a request that makes no progress
   std::filesystem::path upload_folder;                            ///< for uploads; empty: uploads are refused
+  /// Origins, SCHEME://HOST:PORT, of other pages that may frame this one, and of servers that may forward
+  /// requests to this one.
+  std::vector<std::string> frame_origins;
+  /// The server ends this long after the last page was closed and no request came; none: never.
+  std::optional<std::chrono::milliseconds> linger;
 };
 
 /// Serves one page, and a WebSocket to each tab that shows it, over HTTP on this machine's loopback address.
@@ -80,8 +86,13 @@ class Server {
   std::string url() const;  ///< contains the token
   std::uint16_t port() const;
 
-  /// Serves until a stop is requested, then closes the connections and ends their sessions.
+  /// Serves until a stop is requested or all pages are gone (`linger`), then closes the connections and ends
+  /// their sessions.
   void run(const std::stop_token& stop);
+
+  /// Ends the server as soon as no page is open, and at the latest after `linger`. Safe to call from any
+  /// thread.
+  void end_after_pages();
 
  private:
   struct Impl;

@@ -91,6 +91,8 @@ class Running {
     const std::string url = server_.url();
     return url.substr(url.find('=') + 1);
   }
+  void end_after_pages() { server_.end_after_pages(); }
+  void wait_until_ended() { thread_.join(); }
   void stop() {
     thread_.request_stop();
     thread_.join();
@@ -495,6 +497,76 @@ TEST_F(Uploads, TakeSoManyBytesTogetherAndNoMore) {
   EXPECT_EQ(ask(server, upload(server, "a.ply", kilobyte)).status, http::status::ok);
   EXPECT_EQ(ask(server, upload(server, "a.ply", "x")).status, http::status::insufficient_storage);
   EXPECT_EQ(kept(), 3u);
+}
+
+TEST(Server, OnlyGivenOriginsMayFrameThePageAndForwardRequests) {
+  ServerOptions options;
+  options.frame_origins = {"https://hub.example", "http://localhost:8888"};
+  const Running server(options), closed;
+  const auto policy = [](const Running& running) {
+    const std::string answer =
+        send_raw(running, "GET / HTTP/1.1\r\nHost: " + running.host() + "\r\nConnection: close\r\n\r\n");
+    const std::size_t begin = answer.find("frame-ancestors");
+    return answer.substr(begin, answer.find("\r\n", begin) - begin);
+  };
+  EXPECT_EQ(policy(server), "frame-ancestors https://hub.example http://localhost:8888");
+  EXPECT_EQ(policy(closed), "frame-ancestors 'none'");
+
+  const auto open = [&](const std::string& host, const std::string& origin) {
+    Ask session;
+    session.target = "/session?token=wrong";
+    session.host = host;
+    session.origin = origin;
+    session.upgrade = true;
+    return ask(server, session).body;
+  };
+  EXPECT_NE(open("hub.example", "https://hub.example").find("token is wrong"), std::string::npos);
+  EXPECT_NE(open("localhost:8888", "http://localhost:8888").find("token is wrong"), std::string::npos);
+  EXPECT_NE(open("hub.example", "http://hub.example").find("not from this server"), std::string::npos);
+  EXPECT_NE(open("hub.example:8888", "https://hub.example").find("by that name"), std::string::npos);
+}
+
+TEST(Server, KnowsOrigins) {
+  for (const char* origin :
+       {"http://localhost:8888", "https://hub.example", "http://[::1]:80", "vscode-webview://1-a"})
+    EXPECT_TRUE(is_origin(origin)) << origin;
+  for (const char* text : {"", "localhost:8888", "://a", "http://", "http://a/", "http://a b",
+                           "http://a;script-src", "http://a,b", "http://a'", "http://u@a", "http://*.a"})
+    EXPECT_FALSE(is_origin(text)) << text;
+}
+
+TEST(Server, EndsOnceItsPagesAreGone) {
+  ServerOptions options;
+  options.linger = 100ms;
+  Running lingering(options);
+  {
+    const Tab first(lingering);
+    lingering.sessions.wait_for_open(1);
+  }
+  lingering.wait_until_ended();
+  EXPECT_EQ(lingering.sessions.made, 1);
+
+  options.linger = 24h;  // a page that is back in time keeps the server
+  Running busy(options);
+  {
+    const Tab first(busy);
+    busy.sessions.wait_for_open(1);
+  }
+  busy.sessions.wait_for_open(0);
+  {
+    const Tab again(busy);
+    busy.sessions.wait_for_open(1);
+    busy.end_after_pages();
+    EXPECT_EQ(ask(busy, {}).status, http::status::ok);  // it waits for the page
+  }
+  busy.wait_until_ended();
+
+  options.linger = 100ms;
+  Running stubborn(options);
+  const Tab stays(stubborn);
+  stubborn.sessions.wait_for_open(1);
+  stubborn.end_after_pages();
+  stubborn.wait_until_ended();
 }
 
 TEST(Server, AnAddressThatIsTakenIsNamed) {
