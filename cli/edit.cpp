@@ -2,7 +2,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,6 +28,29 @@ struct EditArguments {
   bool no_browser = false;
 };
 
+constexpr const char* word_of(editor::EditorEnd end) {
+  switch (end) {
+    case editor::EditorEnd::done: return "done";
+    case editor::EditorEnd::closed: return "closed";
+    case editor::EditorEnd::stopped: break;
+  }
+  return "stopped";
+}
+
+// Requests a stop when the program that waits for the result has ended, which closes this program's input.
+class StopWithInput {
+ public:
+  StopWithInput(const std::stop_source& source, bool watches) {
+    if (watches)
+      thread_ = std::jthread([source](const std::stop_token& ended) mutable {
+        if (platform::wait_for_closed_input(ended)) source.request_stop();
+      });
+  }
+
+ private:
+  std::jthread thread_;
+};
+
 void run_edit(const EditArguments& arguments, const Context& context) {
   editor::EditorOptions options = arguments.options;
   options.port = static_cast<std::uint16_t>(arguments.port.value_or(usual_port));
@@ -34,7 +60,12 @@ void run_edit(const EditArguments& arguments, const Context& context) {
     std::fflush(stdout);
     if (!arguments.no_browser) platform::open_in_browser(address.page.string());
   };
-  editor::run_editor(options, started, context.stop_token);
+  const bool is_waited_for = !options.result.empty();
+  std::stop_source stop;
+  const std::stop_callback on_stop(context.stop_token, [&] { stop.request_stop(); });
+  const StopWithInput watch(stop, is_waited_for);
+  const editor::EditorEnd end = editor::run_editor(options, started, stop.get_token());
+  if (is_waited_for) fmt::print("{}\n", word_of(end));
 }
 
 }  // namespace
@@ -60,6 +91,17 @@ void add_edit(CLI::App& program, Action& action) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   command->add_flag("--no-browser", arguments->no_browser, "Print the address, and open no browser");
+  command
+      ->add_option(
+          "--result", arguments->options.result,
+          "For a program that waits: an edit file, written with every change. The page's button Done, and "
+          "closing the page, end the editor")
+      ->type_name("JSON");
+  command
+      ->add_option("--frame-origin", arguments->options.frame_origins,
+                   "An origin whose pages may frame the editor's, as http://HOST:PORT; repeatable")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
   command->footer("Example:\n  meshgraft edit octopus.ply");
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_edit(*arguments, context); };

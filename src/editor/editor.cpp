@@ -1,5 +1,6 @@
 #include "editor.h"
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 #include "editor/facts.h"
 #include "folders.h"
 #include "page.h"
+#include "server/access.h"
 #include "server/server.h"
 #include "session.h"
 
@@ -97,25 +99,36 @@ Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads)
   }
   folders.insert(folders.end(), options.folders.begin(), options.folders.end());
   folders.push_back(uploads);
-  return {Folders(folders), std::move(models), uploads};
+  for (const std::string& origin : options.frame_origins)
+    if (!is_origin(origin)) throw Error(facts::editor::NotAnOrigin{.text = origin});
+  const fs::path result = options.result.empty() ? fs::path() : fs::absolute(options.result).lexically_normal();
+  return {Folders(folders), std::move(models), uploads, result, {}};
 }
 
 }  // namespace
 
-void run_editor(const EditorOptions& options, const std::function<void(const EditorAddress&)>& started,
-                const std::stop_token& stop) {
+EditorEnd run_editor(const EditorOptions& options, const std::function<void(const EditorAddress&)>& started,
+                     const std::stop_token& stop) {
   const PrivateFolder folder;
-  const Shared shared = shared_by_sessions(options, folder.uploads());
+  Shared shared = shared_by_sessions(options, folder.uploads());
+  std::atomic<bool> done = false;
   Retirement retirement;
   ServerOptions server_options;
   server_options.port = options.port;
   server_options.or_free_port = options.or_free_port;
   server_options.upload_folder = folder.uploads();
+  server_options.frame_origins = options.frame_origins;
+  if (!options.result.empty()) server_options.linger = options.linger;
   Server server(server_options, page_files(), [&](std::shared_ptr<Channel> channel) {
     return std::make_unique<Session>(std::move(channel), shared, retirement);
   });
+  shared.end = [&] {
+    done = true;
+    server.end_after_pages();
+  };
   if (started) started({server.url(), folder.write_page(server.url())});
   server.run(stop);
+  return done ? EditorEnd::done : stop.stop_requested() ? EditorEnd::stopped : EditorEnd::closed;
 }
 
 }  // namespace meshgraft::editor

@@ -261,11 +261,21 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
   return file;
 }
 
+// Returns the edit for a file in `folder`, with copies of the uploads there.
+EditFile Worker::form_to_save(const fs::path& folder) {
+  return saved_form(
+      with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder),
+      folder);
+}
+
+// Writes the edit for the program that waits for it, if there is one.
+void Worker::write_result() {
+  if (shared_.result.empty()) return;
+  write_file_atomically(shared_.result, write_edit(form_to_save(shared_.result.parent_path())), {});
+}
+
 void Worker::save_edit(const fs::path& file, const Context& context) {
-  const fs::path folder = file.parent_path();
-  const Document kept =
-      with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder);
-  const std::string text = write_edit(saved_form(kept, folder));
+  const std::string text = write_edit(form_to_save(file.parent_path()));
   write_file_atomically(file, text, context);
   open_one().mark_saved(file, sha256(text));
   tell_state();
@@ -291,6 +301,16 @@ Json Worker::save(const json::Value& message, const Context& context) {
   }
   note_changed_inputs(open_one().document(), result);
   return result;
+}
+
+// Ends the work for the program that waits. Throws what running the edit throws, so that the page can tell.
+Json Worker::done(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do"});
+  if (shared_.result.empty()) throw Error(facts::editor::NobodyWaits{});
+  open_one().outcome(context);
+  write_result();
+  shared_.end();
+  return Json::object();
 }
 
 Json Worker::export_mesh(const json::Value& message, const Context& context) {

@@ -171,7 +171,7 @@ Json Worker::graft(const json::Value& message, const Context& context) {
                     : starts             ? "start_graft"
                                          : "graft",
                     document, context);
-  tell_state();
+  tell_change();
   return shown_graft();
 }
 

@@ -27,7 +27,11 @@ Json welcome(const Shared& shared) {
     samples.push_back({{"name", sample.name},
                        {"description", sample.description},
                        {"resolution", sample.default_resolution}});
-  return {{"version", MESHGRAFT_VERSION}, {"folders", folders}, {"models", models}, {"samples", samples}};
+  return {{"version", MESHGRAFT_VERSION},
+          {"folders", folders},
+          {"models", models},
+          {"samples", samples},
+          {"waited_for", !shared.result.empty()}};
 }
 
 }  // namespace
@@ -113,6 +117,7 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"cancel", &Worker::leave_set_up},
       {"save", &Worker::save},
       {"export", &Worker::export_mesh},
+      {"done", &Worker::done},
       {"state", &Worker::state},
   };
   const auto answer = answers.find(what);
@@ -156,13 +161,18 @@ Workspace& Worker::open_one() {
 
 void Worker::tell_state() { outbox_.tell("state", open_one().summary(), "state"); }
 
+void Worker::tell_change() {
+  write_result();
+  tell_state();
+}
+
 Json Worker::change(const std::string& label, const Json& document, const Context& context, Json result) {
   open_one().change(label, document, context);
   return shown(std::move(result));
 }
 
 Json Worker::shown(Json result) {
-  tell_state();
+  tell_change();
   result["pose"] = open_one().view().last_pose();
   return result;
 }

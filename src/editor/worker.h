@@ -26,6 +26,8 @@ struct Shared {
   Folders folders;
   std::vector<std::filesystem::path> models;  ///< offered to the page
   std::filesystem::path upload_folder;        ///< empty: uploads are disabled
+  std::filesystem::path result;               ///< the edit file for a program that waits; empty: none waits
+  std::function<void()> end;                  ///< ends the editor once its pages have heard the answer
   Numbers numbers{};
 };
 
@@ -54,8 +56,11 @@ class Worker {
   Workspace& open_one();
   void show(std::unique_ptr<Workspace> workspace);
   void tell_state();
+  void tell_change();
   std::filesystem::path output(const json::Object& fields, std::string_view name, bool overwrite);
   std::vector<std::filesystem::path> files_of(const json::Value& parts);
+  EditFile form_to_save(const std::filesystem::path& folder);
+  void write_result();
   void save_edit(const std::filesystem::path& file, const Context& context);
   Json selection_or(const json::Object& fields, const std::string& on);
   Json selected_on(const std::string& name);
@@ -98,6 +103,7 @@ class Worker {
   Json reset(const json::Value& message, const Context& context);
   Json leave_set_up(const json::Value& message, const Context& context);
   Json save(const json::Value& message, const Context& context);
+  Json done(const json::Value& message, const Context& context);
   Json export_mesh(const json::Value& message, const Context& context);
   Json state(const json::Value& message, const Context& context);
 

@@ -140,6 +140,7 @@ TEST(Protocol, IsSpokenAsItsSchemaSays) {
   page.ask({{"do", "cancel"}});
   page.refusal({{"do", "restore"}});
   page.refusal({{"do", "discard"}});
+  page.refusal({{"do", "done"}});
   const fs::path file = folder.file("conversation.jsonl", page.conversation());
   const std::string command = std::string(MESHGRAFT_PYTHON) +
                               " " MESHGRAFT_SOURCE_DIR

@@ -117,6 +117,11 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
         editor.graft.kept.value === undefined ? hasHandles() : editor.graft.report.value?.error === undefined,
     },
     {
+      id: "done", group: "edit", label: "Done", keys: [],
+      help: "Hands the mesh back to the program that opened the editor.",
+      run: () => void editor.done(), enabled: () => editor.isWaitedFor.value && editor.isOpen.value,
+    },
+    {
       id: "confirm", group: "edit", label: "Confirm", keys: ["Enter"],
       help: "Ends the gesture, or the curve, as it is.",
       run: () => tools.confirm(), enabled: () => tools.canConfirm(),

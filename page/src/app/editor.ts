@@ -4,6 +4,7 @@ import { Connection, LostConnection, Refusal, type Link, type Outcome } from "..
 import type { DocumentState, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
+import { engineUrl } from "./engine_url";
 import { Graft } from "./graft/graft";
 import { Library } from "./library";
 import { baseName, folderOf } from "./paths";
@@ -93,8 +94,12 @@ export class Editor {
   /** Whether the document has changes that are not saved. They stay unsaved while a lost connection comes back. */
   readonly unsaved = computed(() => {
     const { value: state } = this.state;
-    return this.bringsBack.value || state?.dirty === true;
+    return !this.isWaitedFor.value && (this.bringsBack.value || state?.dirty === true);
   });
+  /** Whether a program waits for the result. It gets every change, so nothing is left to save. */
+  readonly isWaitedFor = computed(() => this.welcome.value?.waited_for === true);
+  /** Whether the work is done, and the program that waited for it has it. */
+  readonly handedBack = signal(false);
 
   private readonly connection: Connection;
   private lastMessage = 0;
@@ -110,8 +115,7 @@ export class Editor {
     private readonly viewport: Viewport,
     readonly view: ViewSettings,
   ) {
-    const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-    this.connection = new Connection(`${scheme}//${location.host}/session?token=${encodeURIComponent(token)}`, {
+    this.connection = new Connection(engineUrl("session", { token }, "ws"), {
       event: (event) => this.onEvent(event),
       binary: (message) => this.show(message),
       link: (link) => this.noteLink(link),
@@ -305,6 +309,14 @@ export class Editor {
     this.openPending();
   }
 
+  /** Ends the work for the program that waits for it. */
+  async done(): Promise<void> {
+    if ((await this.ask({ do: "done" })) === undefined) return;
+    this.handedBack.value = true;
+    this.connection.close();
+    window.close(); // browsers do that only with a tab that a page has opened
+  }
+
   /** Changes the colour of a group and nothing else. */
   recolour(name: string, colour: string): Promise<Outcome | undefined> {
     return this.ask({ do: "group", name, colour, keep: true });
@@ -455,7 +467,7 @@ export class Editor {
   /** Checks whether the token is still valid. A WebSocket gives no reason for a refusal, but a plain request does. */
   private async checkToken(): Promise<void> {
     try {
-      const answer = await fetch(`/session?token=${encodeURIComponent(this.token)}`, { cache: "no-store" });
+      const answer = await fetch(engineUrl("session", { token: this.token }), { cache: "no-store" });
       this.expired.value = answer.status === 403;
     } catch {
       this.expired.value = false; // no server answers

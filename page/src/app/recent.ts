@@ -26,12 +26,12 @@ export function wasLeftUnsaved(request: OpenRequest): boolean {
   return unsaved.value.includes(nameOf(request) ?? "");
 }
 
-const openKey = "meshgraft open";
+const openKey = () => `meshgraft open ${location.pathname}`; // by path, as for the token
 
 /** Records the open document of this tab, so that it is reopened after a reload. */
 export function rememberOpen(open: OpenRequest): void {
   try {
-    sessionStorage.setItem(openKey, JSON.stringify(open));
+    sessionStorage.setItem(openKey(), JSON.stringify(open));
   } catch {
     // The document then has to be opened by hand.
   }
@@ -41,7 +41,7 @@ export function openBeforeReload(): OpenRequest | undefined {
   const [loaded] = performance.getEntriesByType("navigation") as PerformanceNavigationTiming[];
   if (loaded?.type !== "reload") return undefined;
   try {
-    return JSON.parse(sessionStorage.getItem(openKey) ?? "null") ?? undefined;
+    return JSON.parse(sessionStorage.getItem(openKey()) ?? "null") ?? undefined;
   } catch {
     return undefined;
   }

@@ -24,6 +24,7 @@ const labels: Partial<Record<string, string>> = {
   graft: "Grafting",
   save: "Saving",
   export: "Exporting",
+  done: "Handing the mesh back",
   step: "Changing the step",
   symmetry: "Setting the symmetry",
 };

@@ -1,4 +1,5 @@
-const key = "meshgraft.token";
+// By path, because editors behind a proxy share one origin, and frames in one tab share its storage.
+const key = `meshgraft.token ${location.pathname}`;
 
 /**
  * Returns the token of the address, and takes it out of the address bar and the history. After a reload, returns the

@@ -1,4 +1,5 @@
 import { signal, type Signal } from "@preact/signals";
+import { engineUrl } from "./engine_url";
 import { formatBytes } from "./units";
 import type { Told } from "./wording";
 
@@ -56,8 +57,7 @@ export class Upload {
           remedy: "Look whether `meshgraft edit` still runs, and try again.",
         });
       request.onabort = () => resolve(undefined);
-      const query = new URLSearchParams({ token: this.token, name: file.name });
-      request.open("POST", `/upload?${query}`);
+      request.open("POST", engineUrl("upload", { token: this.token, name: file.name }));
       request.send(file);
     });
   }

@@ -31,6 +31,7 @@ export class Connection {
   private last = 0;
   private readonly waiting = new Map<Id, { resolve: (result: Outcome) => void; reject: (why: Refusal | LostConnection) => void }>();
   private retryMs = 250;
+  private isClosed = false;
   private parts = new PartedMessages();
 
   constructor(
@@ -92,7 +93,14 @@ export class Connection {
     else asked.resolve((message.result ?? {}) as Outcome);
   }
 
+  /** Closes the connection for good. */
+  close(): void {
+    this.isClosed = true;
+    this.socket?.close();
+  }
+
   private lose(): void {
+    if (this.isClosed) return;
     for (const { reject } of this.waiting.values()) reject(new LostConnection());
     this.waiting.clear();
     this.listeners.link("lost");

@@ -6,7 +6,7 @@ import { GraftToolbar, GraftToolHint } from "./graft/graft_toolbar";
 import { Header } from "./header";
 import { HelpSheet } from "./help_sheet";
 import { Messages } from "./messages";
-import { LeaveQuestion, LostConnection, PageEffects, ReplaceQuestion, RestoreOffer } from "./overlays";
+import { HandedBack, LeaveQuestion, LostConnection, PageEffects, ReplaceQuestion, RestoreOffer } from "./overlays";
 import { Side } from "./side";
 import { StartScreen } from "./start_screen";
 import { StatusBar } from "./status_bar";
@@ -41,6 +41,7 @@ export function App({ page }: { page: Page }) {
       <ReplaceQuestion page={page} />
       <DropZone page={page} />
       <LostConnection page={page} />
+      <HandedBack page={page} />
       <PageEffects page={page} />
       <Tooltips />
     </div>

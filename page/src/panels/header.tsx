@@ -53,8 +53,14 @@ export function Header({ page }: { page: Page }) {
           <span class="space" />
           <CommandLabelButton page={page} id="accept" icon="accept" label="Accept" />
           <span class="divider" />
-          <CommandButton page={page} id="save" icon="save" />
-          <CommandButton page={page} id="export" icon="export" />
+          {editor.isWaitedFor.value ? (
+            <CommandLabelButton page={page} id="done" icon="accept" kind="primary" />
+          ) : (
+            <>
+              <CommandButton page={page} id="save" icon="save" />
+              <CommandButton page={page} id="export" icon="export" />
+            </>
+          )}
         </>
       )}
       {state === null && <span class="space" />}

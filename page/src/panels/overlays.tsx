@@ -106,10 +106,13 @@ export function LostConnection({ page }: { page: Page }) {
   const { editor } = page;
   const lost = editor.link.value === "lost";
   if (!lost || !(editor.expired.value || editor.welcome.value !== null)) return null;
+  const program = editor.isWaitedFor.value ? "the program that opened this page" : <code>meshgraft edit</code>;
   const isSafe =
     editor.state.value === null
       ? ""
-      : "Your work is safe: every change is on the disk as soon as it is made.";
+      : editor.isWaitedFor.value
+        ? "It has every change that was made here."
+        : "Your work is safe: every change is on the disk as soon as it is made.";
   return (
     <div class="lost" role="alertdialog" aria-label="The connection is lost">
       <div class="lost-card">
@@ -136,14 +139,29 @@ export function LostConnection({ page }: { page: Page }) {
           <>
             <h2>The engine does not answer</h2>
             <p>
-              Look whether <code>meshgraft edit</code> still runs in its terminal. This page connects again by
-              itself; if you start it again, open the address that it prints. {isSafe}
+              Look whether {program} still runs. This page connects again by itself; if you start it again, open
+              the address that it prints. {isSafe}
             </p>
             <span class="bar unknown" role="progressbar" aria-label="Connecting again">
               <i />
             </span>
           </>
         )}
+      </div>
+    </div>
+  );
+}
+
+/** Shown when the work is done and the program that waited for it has it. */
+export function HandedBack({ page }: { page: Page }) {
+  const { editor } = page;
+  if (!editor.handedBack.value) return null;
+  return (
+    <div class="lost" role="alertdialog" aria-label="Done">
+      <div class="lost-card">
+        <Icon name="accept" size={30} />
+        <h2>Done</h2>
+        <p>The program that opened this page has the mesh and the edit. You can close the page.</p>
       </div>
     </div>
   );

@@ -22,7 +22,7 @@ class FakeSocket {
   open(): void {
     this.readyState = FakeSocket.OPEN;
     this.onopen?.();
-    this.tell({ event: "welcome", version: "", folders: [], models: [], samples: [] });
+    this.tell({ event: "welcome", version: "", folders: [], models: [], samples: [], waited_for: false });
   }
   tell(message: object): void {
     this.onmessage?.({ data: JSON.stringify(message) });
@@ -68,7 +68,7 @@ describe("the mark of unsaved changes", () => {
   beforeEach(async () => {
     stored = new Map();
     const storage = { getItem: (key: string) => stored.get(key) ?? null, setItem: (key: string, text: string) => void stored.set(key, text) };
-    vi.stubGlobal("location", { protocol: "http:", host: "here" });
+    vi.stubGlobal("location", { href: "http://here/?token=", pathname: "/" });
     vi.stubGlobal("WebSocket", FakeSocket);
     vi.stubGlobal("sessionStorage", storage);
     vi.stubGlobal("fetch", () => Promise.resolve({ status: 200 }));
@@ -93,7 +93,7 @@ describe("the mark of unsaved changes", () => {
   });
 
   it("remembers the document for a reload as soon as it is open", () => {
-    expect(JSON.parse(stored.get("meshgraft open") ?? "")).toEqual({ do: "open", path: "/bar.ply" });
+    expect(JSON.parse(stored.get("meshgraft open /") ?? "")).toEqual({ do: "open", path: "/bar.ply" });
   });
 
   it("stays while a lost connection comes back, and goes with the last change that is undone", async () => {

@@ -1,6 +1,7 @@
 #include "core/platform/process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -43,6 +44,16 @@ void open_in_browser(const std::string& page) {
   if (posix_spawnp(&child, program.c_str(), &actions, nullptr, words, environ) == 0)
     ::waitpid(child, nullptr, 0);
   posix_spawn_file_actions_destroy(&actions);
+}
+
+bool wait_for_closed_input(const std::stop_token& stop) {
+  constexpr int between_looks_ms = 100;
+  while (!stop.stop_requested()) {
+    pollfd input{STDIN_FILENO, 0, 0};
+    if (::poll(&input, 1, between_looks_ms) > 0 && (input.revents & (POLLHUP | POLLERR)) != 0) return true;
+    if ((input.revents & POLLNVAL) != 0) return false;
+  }
+  return false;
 }
 
 void report_failed_writes() {
