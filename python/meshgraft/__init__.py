@@ -14,6 +14,7 @@ from meshgraft import select
 from meshgraft._core import __version__
 from meshgraft._deform import Deformer, HandleBasis, ProxyDeformer, ReducedFrames, deform, estimated_memory
 from meshgraft._edit import Edit, EditResult, MethodOutcome, compare, methods
+from meshgraft._editing import Editing, edit
 from meshgraft._facts import (Cancelled, Error, FileError, InputError, Note, OutOfMemoryError, UnsolvableError,
                               UsageError)
 from meshgraft._live import LiveDeformer, LiveFrame
@@ -29,11 +30,11 @@ from meshgraft.select import Selection
 
 __all__ = [
     "Attributes", "Cancelled", "CutResult", "Deformer", "DeformerSummary", "Diagnostics", "EdgePoints", "Edit",
-    "EditReport", "EditResult", "Error", "EvaluationReport", "FileError", "Finding", "Handle", "HandleBasis", "InputError",
+    "EditReport", "EditResult", "Editing", "Error", "EvaluationReport", "FileError", "Finding", "Handle", "HandleBasis", "InputError",
     "LiveDeformer", "LiveFrame", "MergeReport", "MergeResult", "Mesh", "MethodOutcome", "Note", "OutOfMemoryError",
     "Picture", "Pose", "ProxyDeformer", "ProxySummary", "Quality", "ReducedFrames", "RepairChange", "RepairResult",
     "SampleInfo", "Selection", "StepReport", "TopologySummary", "UnsolvableError", "UsageError", "WriteResult",
-    "__version__", "check", "compare", "cut", "deform", "drop", "estimated_memory", "merge", "methods", "operators",
+    "__version__", "check", "compare", "cut", "deform", "drop", "edit", "estimated_memory", "merge", "methods", "operators",
     "picture", "quality", "read", "repair", "sample", "samples", "select", "self_intersections", "write",
 ]
 

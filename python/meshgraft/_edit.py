@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import os
 import sys
@@ -180,6 +181,12 @@ class Edit:
         edit = cls()
         edit._json = json.loads(_core.read_edit(os.fspath(path)))
         edit._folder = os.path.dirname(os.fspath(path))
+        return edit
+
+    def _copy(self) -> Edit:
+        """Returns an edit that changes by itself."""
+        edit = Edit()
+        edit._json, edit._meshes, edit._folder = copy.deepcopy(self._json), dict(self._meshes), self._folder
         return edit
 
     # Running.
