@@ -132,9 +132,7 @@ nb::object evaluate_into(const Holder& holder, const nb::sequence& given, nb::ha
   if (!out.is_none()) {
     Eigen::Map<Points> positions = map_of(nb::cast<PointsOut>(out));
     holder.runner.run(call, [&](const Context& context) {
-      Points evaluated(positions.rows(), 3);
-      evaluate(poses, evaluated, context);
-      positions = evaluated;
+      evaluate(poses, PointsRef(positions), context);
       holder.preparation->spread(positions);
     });
     return nb::borrow(out);
@@ -203,7 +201,7 @@ void bind_common(nb::class_<Holder>& bound) {
           "evaluate",
           [](const Holder& holder, const nb::sequence& poses, nb::handle out, const nb::tuple& call) {
             return evaluate_into(holder, poses, out, call,
-                                 [&](const auto& given, Points& positions, const Context& context) {
+                                 [&](const auto& given, PointsRef positions, const Context& context) {
                                    holder.deformer->evaluate(given, positions, context);
                                  });
           },
@@ -211,10 +209,11 @@ void bind_common(nb::class_<Holder>& bound) {
       .def("evaluate_with_report",
            [](const Holder& holder, const nb::sequence& poses, const nb::tuple& call) {
              EvaluationReport report;
-             nb::object positions = evaluate_into(holder, poses, nb::none(), call,
-                                                  [&](const auto& given, Points& out, const Context& context) {
-                                                    holder.deformer->evaluate(given, out, context, &report);
-                                                  });
+             nb::object positions =
+                 evaluate_into(holder, poses, nb::none(), call,
+                               [&](const auto& given, PointsRef out, const Context& context) {
+                                 holder.deformer->evaluate(given, out, context, &report);
+                               });
              return nb::make_tuple(positions, to_python(report));
            })
       .def("moved",
@@ -261,7 +260,7 @@ nb::object frame_normals(const BasisHolder& holder, const nb::sequence& given, n
                          const nb::tuple& call) {
   Directions normals(holder.preparation->setup.problem.rest.rows(), 3);
   nb::object positions =
-      evaluate_into(holder, given, out, call, [&](const auto& poses, Points& places, const Context& context) {
+      evaluate_into(holder, given, out, call, [&](const auto& poses, PointsRef places, const Context& context) {
         holder.basis->frame(poses, places, &normals, context);
       });
   return nb::make_tuple(positions, array_of(std::move(normals)));
@@ -280,7 +279,7 @@ void bind_quick_frames(nb::module_& module) {
           "frame",
           [](const BasisHolder& holder, const nb::sequence& poses, nb::handle out, const nb::tuple& call) {
             return evaluate_into(holder, poses, out, call,
-                                 [&](const auto& given, Points& positions, const Context& context) {
+                                 [&](const auto& given, PointsRef positions, const Context& context) {
                                    holder.basis->frame(given, positions, nullptr, context);
                                  });
           },
@@ -295,7 +294,7 @@ void bind_quick_frames(nb::module_& module) {
           "frame",
           [](const ReducedHolder& holder, const nb::sequence& poses, nb::handle out, const nb::tuple& call) {
             return evaluate_into(holder, poses, out, call,
-                                 [&](const auto& given, Points& positions, const Context& context) {
+                                 [&](const auto& given, PointsRef positions, const Context& context) {
                                    holder.frames->frame(given, positions, context);
                                  });
           },

@@ -69,7 +69,7 @@ void Deformer::Impl::choose_backend(const ConstraintMask& mask) {
 }
 
 /// Finds the field of maps, then solves with it.
-void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Points& out,
+void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, PointsRef out,
                               EvaluationReport* report, Columns* solved_maps, const Context& context) const {
   RotationField::Result found;
   if (rotations) found = rotations->find(constraints, context);
@@ -84,7 +84,7 @@ Points Deformer::Impl::evaluate_with_maps(std::span<const VertexConstraint> cons
                                           std::vector<Eigen::Matrix3d>& map_changes, const Context& context,
                                           EvaluationReport* report) const {
   constrained.require_matching(constraints);
-  Points positions;
+  Points positions(system->rest().rows(), 3);
   Columns solved;
   evaluate(constraints, positions, report, &solved, context);
   map_changes.assign(positions.rows(), Eigen::Matrix3d::Zero());
@@ -140,15 +140,9 @@ std::vector<VertexConstraint> Deformer::constraints(std::span<const HandlePose> 
   return constraints;
 }
 
-void Deformer::evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context,
+void Deformer::evaluate(std::span<const HandlePose> poses, PointsRef positions_out, const Context& context,
                         EvaluationReport* report) const {
-  const Eigen::Index vertices = impl_->system->rest().rows();
-  if (positions_out.rows() != vertices)
-    throw Error(facts::core::SizeMismatch{
-        .what = facts::core::Rows::positions, .given = positions_out.rows(), .needed = vertices});
-  const std::vector<VertexConstraint> posed = constraints(poses);
-  impl_->constrained.require_matching(posed);
-  impl_->evaluate(posed, positions_out, report, nullptr, context);
+  evaluate(constraints(poses), positions_out, context, report);
 }
 
 Points Deformer::evaluate(std::span<const HandlePose> poses, const Context& context,
@@ -160,10 +154,19 @@ Points Deformer::evaluate(std::span<const HandlePose> poses, const Context& cont
 
 Points Deformer::evaluate(std::span<const VertexConstraint> constraints, const Context& context,
                           EvaluationReport* report) const {
-  impl_->constrained.require_matching(constraints);
-  Points positions;
-  impl_->evaluate(constraints, positions, report, nullptr, context);
+  Points positions(impl_->system->rest().rows(), 3);
+  evaluate(constraints, positions, context, report);
   return positions;
+}
+
+void Deformer::evaluate(std::span<const VertexConstraint> constraints, PointsRef positions_out,
+                        const Context& context, EvaluationReport* report) const {
+  const Eigen::Index vertices = impl_->system->rest().rows();
+  if (positions_out.rows() != vertices)
+    throw Error(facts::core::SizeMismatch{
+        .what = facts::core::Rows::positions, .given = positions_out.rows(), .needed = vertices});
+  impl_->constrained.require_matching(constraints);
+  impl_->evaluate(constraints, positions_out, report, nullptr, context);
 }
 
 Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constraints,
@@ -183,7 +186,7 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
     local.field.smoothness.middleRows<3>(3 * v) =
         (field[system.patch().vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
   local.field.stretch = local.field.smoothness;
-  Points positions;
+  Points positions(system.rest().rows(), 3);
   system.evaluate(constraints, local, positions, report, nullptr, context);
   return positions;
 }

@@ -32,7 +32,7 @@ struct Deformer::Impl {
        const Context& context);
 
   /// Computes positions (n×3). Fills `solved_maps`, unless it is null, as `ConstrainedSystem::evaluate` does.
-  void evaluate(std::span<const VertexConstraint> constraints, Points& out, EvaluationReport* report,
+  void evaluate(std::span<const VertexConstraint> constraints, PointsRef out, EvaluationReport* report,
                 Columns* solved_maps, const Context& context) const;
   /// Does what `Deformer::evaluate` does, and fills the difference M − I of each vertex's local map from I. It
   /// is zero where the map is unknown.

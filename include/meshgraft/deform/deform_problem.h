@@ -17,6 +17,9 @@
 
 namespace meshgraft {
 
+/// Positions in the caller's memory, n×3, row after row: a `Points`, or an `Eigen::Map` of one.
+using PointsRef = Eigen::Ref<Points, 0, Eigen::Stride<3, 1>>;
+
 /// The boundary condition of one vertex. Position and transform may each be given without the other.
 struct VertexConstraint {
   Index vertex = -1;

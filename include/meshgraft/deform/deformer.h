@@ -48,14 +48,18 @@ class Deformer {
   /// it is not null. Throws Error(usage) for another number of poses.
   Points evaluate(std::span<const HandlePose> poses, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
-  /// Writes the same positions to `positions_out` (n×3). Throws Error(usage) for another shape.
-  void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {},
+  /// Writes the same positions to `positions_out` (n×3), whose content is unspecified after an error. Throws
+  /// Error(usage) for another shape.
+  void evaluate(std::span<const HandlePose> poses, PointsRef positions_out, const Context& context = {},
                 EvaluationReport* report = nullptr) const;
 
   /// Returns new positions, n×3, for constraints per vertex, in the order of the problem. Those of handles
   /// come in the order of the handles and of their vertices.
   Points evaluate(std::span<const VertexConstraint> constraints, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
+  /// Writes the same positions to `positions_out` (n×3). Throws Error(usage) for another shape.
+  void evaluate(std::span<const VertexConstraint> constraints, PointsRef positions_out,
+                const Context& context = {}, EvaluationReport* report = nullptr) const;
 
   /// Returns new positions, n×3, with the caller's field F in place of the method's, by one linear solve of
   /// ‖(M_i − M_j) d − (F_i − F_j) d‖².

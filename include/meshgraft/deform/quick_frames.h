@@ -64,7 +64,7 @@ class HandleBasis {
   /// bit for bit. `positions` and `normals` are n×3, owned by the caller; every row is written. Normals have
   /// unit length and follow the local maps: cof(M) n. Throws Error(usage) for another shape or number of
   /// poses, and for normals if the basis was made without them. Throws Error(input) for a redrawn curve.
-  void frame(std::span<const HandlePose> poses, Points& positions, Directions* normals = nullptr,
+  void frame(std::span<const HandlePose> poses, PointsRef positions, Directions* normals = nullptr,
              const Context& context = {}) const;
   Points frame(std::span<const HandlePose> poses, const Context& context = {}) const;
 
@@ -85,7 +85,7 @@ class HandleBasis {
   void find_movers(const ConstrainedSystem& system);
   void solve_columns(const ConstrainedSystem& system, const Context& context);
   void solve_targets(const ConstrainedSystem& system, const Context& context);
-  void place_block(std::size_t block, std::span<const double> frames, Points& positions) const;
+  void place_block(std::size_t block, std::span<const double> frames, PointsRef positions) const;
   /// The handles' matrices in single precision, divided by one common factor; `unit` is 1 over that factor.
   struct MapFrames {
     std::vector<float> entries;
@@ -93,7 +93,7 @@ class HandleBasis {
   };
   void turn_block(std::size_t block, const MapFrames& frames, Directions& normals) const;
   void copy_columns(const std::vector<Index>& row_of, HandleBuffers& buffers) const;
-  void place_handles(std::span<const HandlePose> poses, Points& positions, Directions* normals,
+  void place_handles(std::span<const HandlePose> poses, PointsRef positions, Directions* normals,
                      const Context& context) const;
 
   std::vector<Handle> handles_;
@@ -144,7 +144,7 @@ class ReducedFrames {
   /// coordinates bit for bit. One affine map of all handles is reproduced to 1e-6. `report` gets the
   /// iterations, and whether transforms were blended linearly. Throws Error(usage) for another shape or number
   /// of poses. Throws Error(input) for a redrawn curve and for non-finite values.
-  void frame(std::span<const HandlePose> poses, Points& positions, const Context& context = {},
+  void frame(std::span<const HandlePose> poses, PointsRef positions, const Context& context = {},
              EvaluationReport* report = nullptr) const;
   Points frame(std::span<const HandlePose> poses, const Context& context = {},
                EvaluationReport* report = nullptr) const;
@@ -208,7 +208,7 @@ class ProxyDeformer {
   Points evaluate(std::span<const HandlePose> poses, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
   /// Writes the same positions to `positions_out` (n×3). Throws Error(usage) for another shape.
-  void evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context = {},
+  void evaluate(std::span<const HandlePose> poses, PointsRef positions_out, const Context& context = {},
                 EvaluationReport* report = nullptr) const;
 
   /// Returns new positions, n×3, for constraints per vertex, in the order of the problem. Those of handles

@@ -120,8 +120,8 @@ struct ProxyDeformer::Impl {
   void find_needed_handles();
 
   // The steps of each frame.
-  std::vector<VertexConstraint> place_handles(std::span<const HandlePose> poses, Points& out) const;
-  void move(std::span<const VertexConstraint> given, Points& out, const Context& context,
+  std::vector<VertexConstraint> place_handles(std::span<const HandlePose> poses, PointsRef out) const;
+  void move(std::span<const VertexConstraint> given, PointsRef out, const Context& context,
             EvaluationReport* report) const;
   std::vector<Bone> bones(std::span<const VertexConstraint> given, const Context& context,
                           EvaluationReport* report) const;
@@ -381,7 +381,7 @@ std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> g
 
 /// Moves the free vertices. `given` corresponds to `needed`. `out` is at rest except for vertices of given
 /// positions.
-void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& out, const Context& context,
+void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, PointsRef out, const Context& context,
                                EvaluationReport* report) const {
   if (report != nullptr) *report = {};
   if (!deformer) return;
@@ -408,7 +408,7 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, Points& 
 
 /// Places all vertices of the handles and returns the needed constraints.
 std::vector<VertexConstraint> ProxyDeformer::Impl::place_handles(std::span<const HandlePose> poses,
-                                                                 Points& out) const {
+                                                                 PointsRef out) const {
   if (poses.size() != handles.size())
     throw Error(facts::core::SizeMismatch{
         .what = facts::core::Rows::poses, .given = poses.size(), .needed = handles.size()});
@@ -494,7 +494,7 @@ ProxyDeformer::ProxyDeformer(const Points& rest, const Triangles& triangles, con
                              const ProxyOptions& options, const Context& context)
     : ProxyDeformer(DeformProblem{rest, triangles, region}, options, context) {}
 
-void ProxyDeformer::evaluate(std::span<const HandlePose> poses, Points& positions_out, const Context& context,
+void ProxyDeformer::evaluate(std::span<const HandlePose> poses, PointsRef positions_out, const Context& context,
                              EvaluationReport* report) const {
   const Impl& d = *impl_;
   if (positions_out.rows() != d.rest.rows())

@@ -164,7 +164,7 @@ void HandleBasis::solve_targets(const ConstrainedSystem& system, const Context& 
   }
 }
 
-void HandleBasis::frame(std::span<const HandlePose> poses, Points& positions, Directions* normals,
+void HandleBasis::frame(std::span<const HandlePose> poses, PointsRef positions, Directions* normals,
                         const Context& context) const {
   require_affine_poses(handles_, poses);
   require_rows(positions.rows(), base_.rows(), facts::core::Rows::positions);
@@ -213,7 +213,7 @@ Points HandleBasis::frame(std::span<const HandlePose> poses, const Context& cont
 }
 
 /// Adds the displacements Σ_h b_h · pose_h to the block's positions.
-void HandleBasis::place_block(std::size_t block, std::span<const double> frames, Points& positions) const {
+void HandleBasis::place_block(std::size_t block, std::span<const double> frames, PointsRef positions) const {
   using Lanes = Eigen::Array<double, lanes, 1>;
   Lanes moves[3] = {Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
   const double* weight = weights_.data() + block * handles_.size() * 4 * lanes;
@@ -270,7 +270,7 @@ void HandleBasis::turn_block(std::size_t block, const MapFrames& frames, Directi
   }
 }
 
-void HandleBasis::place_handles(std::span<const HandlePose> poses, Points& positions, Directions* normals,
+void HandleBasis::place_handles(std::span<const HandlePose> poses, PointsRef positions, Directions* normals,
                                 const Context& context) const {
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     const std::vector<Index>& vertices = handles_[h].vertices;

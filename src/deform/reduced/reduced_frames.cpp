@@ -43,7 +43,7 @@ struct ReducedFrames::Impl {
 
   void solve_responses(const ConstrainedSystem& system, const Context& context);
   void solve_targets(const ConstrainedSystem& system, const Context& context);
-  void place_handles(std::span<const HandlePose> poses, Points& positions, const Context& context) const;
+  void place_handles(std::span<const HandlePose> poses, PointsRef positions, const Context& context) const;
 };
 
 ReducedFrames::ReducedFrames(const Deformer& deformer, const ReducedFramesOptions& options,
@@ -113,7 +113,7 @@ void ReducedFrames::Impl::solve_targets(const ConstrainedSystem& system, const C
   field->set_base_maps(system.maps(y, values, context));
 }
 
-void ReducedFrames::frame(std::span<const HandlePose> poses, Points& positions, const Context& context,
+void ReducedFrames::frame(std::span<const HandlePose> poses, PointsRef positions, const Context& context,
                           EvaluationReport* report) const {
   const Impl& d = *impl_;
   require_affine_poses(d.handles, poses);
@@ -144,7 +144,7 @@ Points ReducedFrames::frame(std::span<const HandlePose> poses, const Context& co
   return positions;
 }
 
-void ReducedFrames::Impl::place_handles(std::span<const HandlePose> poses, Points& positions,
+void ReducedFrames::Impl::place_handles(std::span<const HandlePose> poses, PointsRef positions,
                                         const Context& context) const {
   for (std::size_t h = 0; h < handles.size(); ++h) {
     if (!handles[h].constrain_position) continue;

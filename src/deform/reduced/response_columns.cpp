@@ -21,7 +21,7 @@ void ResponseColumns::set(std::size_t first, std::size_t stride, const Columns& 
   parallel_blocks(vertices_.size(), set_rows, context, 1024);
 }
 
-void ResponseColumns::place(const Columns& coefficients, double scale, const Points& base, Points& positions,
+void ResponseColumns::place(const Columns& coefficients, double scale, const Points& base, PointsRef positions,
                             const Context& context) const {
   const std::size_t blocks = block_count();
   std::vector<float> numbers;
@@ -41,7 +41,7 @@ void ResponseColumns::place(const Columns& coefficients, double scale, const Poi
 }
 
 void ResponseColumns::place_block(std::size_t block, const std::vector<float>& coefficients, double scale,
-                                  Points& positions) const {
+                                  PointsRef positions) const {
   using Lanes = Eigen::Array<float, lanes, 1>;
   using Sums = Eigen::Array<double, lanes, 1>;
   constexpr std::size_t short_sum = 32;  // terms summed in single precision before rounding matters

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -24,7 +25,7 @@ class ResponseColumns {
 
   /// Sets positions.row(v) = base.row(v) + scale · (row of v) · coefficients (columns×3) for vertices with
   /// rows. Copies base.row(v) for all others.
-  void place(const Columns& coefficients, double scale, const Points& base, Points& positions,
+  void place(const Columns& coefficients, double scale, const Points& base, PointsRef positions,
              const Context& context) const;
 
   const std::vector<Index>& vertices() const { return vertices_; }
@@ -34,7 +35,7 @@ class ResponseColumns {
   static constexpr std::size_t lanes = 8;
   std::size_t block_count() const { return (vertices_.size() + lanes - 1) / lanes; }
   void place_block(std::size_t block, const std::vector<float>& coefficients, double scale,
-                   Points& positions) const;
+                   PointsRef positions) const;
 
   std::vector<Index> vertices_;
   std::size_t columns_ = 0;

@@ -216,7 +216,7 @@ Columns ConstrainedSystem::displacements(const Columns& y, const Known& values, 
 }
 
 void ConstrainedSystem::place(const Columns& y, const Known& values,
-                              std::span<const VertexConstraint> constraints, Points& out,
+                              std::span<const VertexConstraint> constraints, PointsRef out,
                               const Context& context) const {
   out = rest();
   if (y.rows() > 0) {
@@ -239,7 +239,7 @@ Columns ConstrainedSystem::feature_rows(std::size_t feature, const Columns& y) c
 }
 
 /// Places all vertices of each feature that has columns in the system.
-void ConstrainedSystem::place_features(const Columns& y, Points& out) const {
+void ConstrainedSystem::place_features(const Columns& y, PointsRef out) const {
   for (std::size_t f = 0; f < features_.size(); ++f) {
     if (feature_column_[f] < 0) continue;
     const auto map = y.middleRows<4>(feature_column_[f]);  // (T − I)ᵀ over tᵀ
@@ -273,7 +273,7 @@ double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstrai
 }
 
 void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, const Problem& problem,
-                                 Points& out, EvaluationReport* report, Columns* solved_maps,
+                                 PointsRef out, EvaluationReport* report, Columns* solved_maps,
                                  const Context& context) const {
   if (solved_maps != nullptr) solved_maps->resize(0, 3);
   if (!solver_) {

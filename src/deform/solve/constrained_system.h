@@ -107,7 +107,7 @@ class ConstrainedSystem {
   /// Computes positions (n×3) for constraints that fit the mask. Fills the measures of `report` unless it is
   /// null. Fills `solved_maps`, unless it is null, with the solution's `maps`, or leaves it empty if nothing
   /// is free.
-  void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, Points& out,
+  void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, PointsRef out,
                 EvaluationReport* report, Columns* solved_maps, const Context& context) const;
   OrderingGraph ordering_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
@@ -143,7 +143,7 @@ class ConstrainedSystem {
   void prepare_similarities(const Context& context);
   Eigen::Index shared_row(Eigen::Index s) const;
   void impose_similarities(Columns& y) const;
-  void place_features(const Columns& y, Points& out) const;
+  void place_features(const Columns& y, PointsRef out) const;
   Index count_inverted(const Columns& maps) const;
   void weigh_anchors(const Context& context);
   void factorise(const DeformerOptions& options, DeformerSummary& summary, const Context& context);
@@ -161,8 +161,8 @@ class ConstrainedSystem {
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;
   Columns solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const;
-  void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints, Points& out,
-             const Context& context) const;
+  void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints,
+             PointsRef out, const Context& context) const;
   double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
 
   std::vector<Index> free_;  ///< global indices, ascending
