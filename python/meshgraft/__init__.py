@@ -26,6 +26,7 @@ from meshgraft._records import (CutResult, DeformerSummary, Diagnostics, EdgePoi
                                 MergeReport, ProxySummary, Quality, RepairChange, RepairResult, SampleInfo, StepReport,
                                 TopologySummary, WriteResult)
 from meshgraft._repair import check, cut, quality, repair, self_intersections
+from meshgraft._vertex_deform import VertexDeformer
 from meshgraft.select import Selection
 
 __all__ = [
@@ -33,7 +34,8 @@ __all__ = [
     "EditReport", "EditResult", "Editing", "Error", "EvaluationReport", "FileError", "Finding", "Handle", "HandleBasis", "InputError",
     "LiveDeformer", "LiveFrame", "MergeReport", "MergeResult", "Mesh", "MethodOutcome", "Note", "OutOfMemoryError",
     "Picture", "Pose", "ProxyDeformer", "ProxySummary", "Quality", "ReducedFrames", "RepairChange", "RepairResult",
-    "SampleInfo", "Selection", "StepReport", "TopologySummary", "UnsolvableError", "UsageError", "WriteResult",
+    "SampleInfo", "Selection", "StepReport", "TopologySummary", "UnsolvableError", "UsageError", "VertexDeformer",
+    "WriteResult",
     "__version__", "check", "compare", "cut", "deform", "drop", "edit", "estimated_memory", "merge", "methods", "operators",
     "picture", "quality", "read", "repair", "sample", "samples", "select", "self_intersections", "write",
 ]

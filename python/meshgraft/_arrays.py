@@ -63,6 +63,16 @@ def matrix(value: ArrayLike, name: str, size: int) -> FloatArray:
     return result
 
 
+def maps(value: ArrayLike, name: str, count: int) -> FloatArray:
+    """Returns finite 3x3 matrices, (count, 3, 3)."""
+    array = _numeric(value, name, f"numbers of shape ({count}, 3, 3)")
+    if array.shape != (count, 3, 3):
+        raise ValueError(f"{name}: expected numbers of shape ({count}, 3, 3), not {array.shape}")
+    result = np.ascontiguousarray(array, dtype=np.float64)
+    _require_finite(result, name)
+    return result
+
+
 def numbers(value: ArrayLike, name: str, *, count: int | None = None) -> FloatArray:
     """Returns a list of finite numbers."""
     array = _numeric(value, name, "a list of numbers")

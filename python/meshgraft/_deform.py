@@ -241,6 +241,20 @@ class Deformer(_Solver[M]):
             other._core = self._core.with_region(given, call)
         return other
 
+    @documented("Deformer.constraints")
+    def constraints(self, poses: Mapping[str, Any] | None = None, /,
+                    **named: Any) -> tuple[IndexArray, FloatArray, FloatArray]:
+        """Returns vertices, (k,), positions, (k, 3), and local maps, (k, 3, 3); NaN where one is not given."""
+        return cast("tuple[IndexArray, FloatArray, FloatArray]", _core.constraints(self._core, self._poses(poses, named)))
+
+    def positions_with_field(self, field: ArrayLike, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0,
+                             **named: Any) -> FloatArray:
+        """Returns positions, (n, 3), whose local maps change from vertex to vertex as `field` does, one map for each
+        vertex of the mesh, (n, 3, 3), in place of the method's own field. One linear solve."""
+        maps = _arrays.maps(field, "field", len(self._adapted.mesh))
+        return cast(FloatArray, _core.evaluate_with_field(self._core, self._poses(poses, named), maps,
+                                                          self._call(threads)))
+
     @property
     def summary(self) -> DeformerSummary:
         """Seconds per stage and figures of the set-up."""

@@ -87,8 +87,10 @@ def quality(rest: Any, edited: Any, *, free: Any = None, self_intersections: boo
 
 
 @documented("self_intersections")
-def self_intersections(mesh: Any, *, free: Any = None, threads: int = 0, progress: Progress = None) -> IndexArray:
-    """Returns the pairs of triangles that intersect, (k, 2). `free`: only pairs that touch one of these vertices."""
+def self_intersections(mesh: Any, *, free: Any = None, rest: Any = None, threads: int = 0,
+                       progress: Progress = None) -> IndexArray:
+    """Returns the pairs of triangles that intersect, (k, 2). `free`: only pairs that touch one of these vertices.
+    `rest`: only pairs that do not intersect in this other state, a mesh of any kind or positions (n, 3)."""
     own = adapt(mesh).mesh
     triangles = own if own.is_triangular else own.triangulated()
     if free is None:
@@ -96,4 +98,10 @@ def self_intersections(mesh: Any, *, free: Any = None, threads: int = 0, progres
     else:
         vertices = free(own) if callable(free) else _arrays.indices(free, "free", len(own))
     with calling(threads, None, progress) as call:
-        return cast(IndexArray, _core.self_intersections(own.vertices, triangles.faces, vertices, call))
+        pairs = cast(IndexArray, _core.self_intersections(own.vertices, triangles.faces, vertices, call))
+        if rest is None or not len(pairs):
+            return pairs
+        before = np.ascontiguousarray(vertices_of(rest, "rest", len(own)))
+        old = _core.self_intersections(before, triangles.faces, vertices, call)
+    found, known = (each[:, 0].astype(np.int64) * len(triangles.faces) + each[:, 1] for each in (pairs, old))
+    return pairs[~np.isin(found, known)]

@@ -10,6 +10,7 @@ void bind_mesh(nanobind::module_& module);
 void bind_select(nanobind::module_& module);
 void bind_repair(nanobind::module_& module);
 void bind_deform(nanobind::module_& module);
+void bind_vertex_deform(nanobind::module_& module);
 void bind_live(nanobind::module_& module);
 void bind_edit(nanobind::module_& module);
 void bind_operators(nanobind::module_& module);

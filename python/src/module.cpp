@@ -17,6 +17,7 @@ NB_MODULE(_core, module) {
   bind_select(module);
   bind_repair(module);
   bind_deform(module);
+  bind_vertex_deform(module);
   bind_live(module);
   bind_edit(module);
   bind_operators(module);

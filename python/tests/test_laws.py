@@ -218,3 +218,16 @@ def test_another_region_keeps_what_is_said_of_welding():
     apart = mg.Deformer(soup, handles={"all": np.arange(len(soup[0]))}, weld=False)
     other = apart.with_region(None, {"all": np.arange(len(soup[0]))})
     assert len(other.handle_vertices("all")) == len(apart.handle_vertices("all")) == len(soup[0])
+
+
+def test_intersections_that_were_there_at_rest_do_not_count():
+    bar = mg.sample("bar", 16)
+    twice = mg.Mesh(np.concatenate([bar.vertices, bar.vertices + [0.3, 0.2, 0.1]]),
+                    np.concatenate([bar.faces, bar.faces + len(bar)]))
+    moved = twice.vertices.copy()
+    moved[len(bar):][bar.vertices[:, 2] > 2] += [0.4, 0, 0.8]
+    pairs = {tuple(pair) for pair in mg.self_intersections(twice.with_vertices(moved))}
+    before = {tuple(pair) for pair in mg.self_intersections(twice)}
+    new = mg.self_intersections(twice.with_vertices(moved), rest=twice)
+    assert before & pairs and [tuple(pair) for pair in new] == sorted(pairs - before)
+    assert len(new) == mg.quality(twice, moved, free=np.arange(len(twice))).new_self_intersections
