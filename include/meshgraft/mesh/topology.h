@@ -85,6 +85,7 @@ struct TopologySummary {
   bool oriented = false;  ///< neighbouring faces are consistently oriented
 };
 
+/// Returns the topological properties of a mesh, from one table of its edges.
 TopologySummary summarise_topology(const Mesh& mesh);
 
 /// Returns the vertices within `rings` edges of `seeds` (seeds included), ascending. Throws Error(input) if a
