@@ -6,7 +6,7 @@ import copy
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -168,10 +168,8 @@ class Edit:
         beside = [file.parent / self._json["inputs"][name]["file"] for name in self._meshes]
         for mesh, where in zip(self._meshes.values(), beside):
             write(mesh, where, overwrite=overwrite)
-        moved = _texts.Writer(aside=False).plain(json.loads(text))
-        for name, entry in moved["inputs"].items():
-            if "file" in entry and name not in self._meshes:
-                entry["file"] = os.path.relpath(Path(self._folder) / entry["file"], file.parent)
+        moved = with_files(json.loads(text), self._meshes,
+                           lambda path: os.path.relpath(Path(self._folder) / path, file.parent))
         file.write_text(json.dumps(moved, ensure_ascii=False, indent=2) + "\n", encoding="utf-8")
         return [file, *beside]
 
@@ -222,6 +220,21 @@ class Edit:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_json": _texts.Writer(aside=False).plain(self._json)}
+
+
+def with_files(edit: dict[str, Any], but: Collection[str], change: Callable[[str], str]) -> dict[str, Any]:
+    """Returns an edit with other paths of files, except those of the inputs `but`."""
+
+    def changed(value: Any) -> Any:
+        if isinstance(value, list):
+            return [changed(entry) for entry in value]
+        if isinstance(value, dict):
+            return {key: change(entry) if key in ("file", "sel", "def") and isinstance(entry, str) else changed(entry)
+                    for key, entry in value.items()}
+        return value
+
+    inputs = {name: entry if name in but else changed(entry) for name, entry in edit["inputs"].items()}
+    return {**edit, "inputs": inputs, **{key: changed(edit[key]) for key in ("selections", "steps") if key in edit}}
 
 
 def _result(parts: Any) -> EditResult:

@@ -18,7 +18,7 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar, cast
 
 from meshgraft import _core
 from meshgraft._adapters import adapt
-from meshgraft._edit import Edit
+from meshgraft._edit import Edit, with_files
 from meshgraft._facts import Error
 from meshgraft._mesh import Mesh, read, sample
 from meshgraft._notebook import notebook
@@ -82,8 +82,13 @@ class Editing(Generic[M]):
         edit = self._start._copy()
         if not edit._json["steps"]:
             edit._json["steps"] = [{"kind": "deform", "mesh": self._name, "region": {"indices": []}}]  # none does not do
-        folders = [str((Path(edit._folder) / entry["file"]).resolve().parent)
-                   for key, entry in edit._json["inputs"].items() if "file" in entry and key not in edit._meshes]
+        folders: list[str] = []
+
+        def note_folder(file: str) -> str:
+            folders.append(str((Path(edit._folder) / file).resolve().parent))
+            return file
+
+        with_files(edit._json, edit._meshes, note_folder)
         return edit.save(self._folder / f"{self._name}.json")[0], folders
 
     @property
@@ -182,18 +187,17 @@ class Editing(Generic[M]):
         if not self._result_file.exists():
             return self._start._copy()
         edit = Edit.load(self._result_file)
-        edit._folder = ""
+        edit._folder, folder = "", self._result_file.parent
+        edit._json = with_files(edit._json, (), lambda path: str((folder / path).resolve()))
         for name, entry in edit._json["inputs"].items():
             if "file" not in entry:
                 continue
-            file = self._result_file.parent / entry["file"]
+            file = Path(entry["file"])
             known = self._start._meshes.get(name)
-            if known is not None and file.resolve() == self._folder / f"{name}.ply":
+            if known is not None and file == self._folder / f"{name}.ply":
                 edit.input(name, known)
-            elif self._folder in file.resolve().parents:  # dropped on the page; the folder will be deleted
+            elif self._folder in file.parents:  # dropped on the page; the folder will be deleted
                 edit.input(name, read(file))
-            else:
-                entry["file"] = str(file.resolve())
         return edit
 
     def _note_end(self) -> None:

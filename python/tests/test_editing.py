@@ -101,6 +101,27 @@ def test_a_file_stays_a_file_and_gets_nothing_beside_it(bar, ends, tmp_path):
     assert os.listdir(tmp_path) == ["limb.ply"]
 
 
+def test_an_edit_goes_on_with_files_that_it_names(bar, ends, tmp_path):
+    (tmp_path / "a").mkdir()
+    mg.write(bar, tmp_path / "a/limb.ply")
+    (tmp_path / "a/top.txt").write_text("\n".join(map(str, ends["top"])))
+    begun = mg.Edit().input("limb", "limb.ply")
+    begun.deform("limb", handles=ends, poses={"top": mg.Pose((0, 0.5, 0))})
+    next(handle for handle in begun._json["steps"][0]["handles"] if handle["name"] == "top")["select"] = {"file": "top.txt"}
+    begun._folder = str(tmp_path / "a")
+    wanted = begun.run().mesh.vertices.tobytes()
+    (tmp_path / "b").mkdir()
+    begun.save(tmp_path / "b/kept.json")
+    loaded = mg.Edit.load(tmp_path / "b/kept.json")
+    assert loaded.run().mesh.vertices.tobytes() == wanted
+    editing = mg.edit(edit=loaded, show="none")
+    page = open_page(editing.url)
+    page.ask({"do": "pose", "poses": {"top": {"translate": [0, 1, 0]}}})
+    finish(page)
+    assert editing.mesh.vertices[ends["top"][0]][1] - bar.vertices[ends["top"][0]][1] == pytest.approx(1)
+    assert editing.edit.run().mesh.vertices.tobytes() == editing.mesh.vertices.tobytes()
+
+
 def test_parts_are_grafted(program):
     bust, head = mg.sample("bust", 24), mg.sample("head", 20)
     editing = mg.edit(bust, parts={"face": head}, show="none")
