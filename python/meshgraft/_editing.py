@@ -39,6 +39,9 @@ class Editing(Generic[M]):
     def __init__(self, given: Any, edit: Edit | None, parts: Mapping[str, Any], options: Mapping[str, Any]) -> None:
         self._folder = Path(tempfile.mkdtemp(prefix="meshgraft-edit-")).resolve()
         self._process: subprocess.Popen[str] | None = None
+        self._clean_up = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
+        self._clean_up.atexit = False  # _close_all does it then
+        self._owner = os.getpid()
         try:
             self._begin(given, edit, parts, options)
         except BaseException:
@@ -71,6 +74,7 @@ class Editing(Generic[M]):
             # In a session of its own, because Ctrl-C of the terminal is this process's.
             self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=messages,
                                              text=True, start_new_session=True)
+        weakref.finalize(self, cast(Any, self._process.stdin).close)  # Python keeps processes that nobody asks for
         self.url = cast(Any, self._process.stdout).readline().strip()
         """address of the page, with its token"""
         if not self.url:
@@ -216,7 +220,7 @@ class Editing(Generic[M]):
             if self._process.poll() is None:
                 self._process.terminate()
                 self._process.wait()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        self._clean_up()
 
     def __enter__(self) -> Editing[M]:
         return self
@@ -291,4 +295,5 @@ def _program() -> str:
 @atexit.register
 def _close_all() -> None:
     for editing in list(_open):
-        editing.close()
+        if editing._owner == os.getpid():  # not in a fork
+            editing.close()

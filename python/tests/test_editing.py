@@ -1,5 +1,6 @@
 """meshgraft.edit: the editor on a mesh of this process. A scripted page stands for the browser."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -228,6 +229,17 @@ def runs(process):
         return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except OSError:
         return False
+
+
+@pytest.mark.filterwarnings("ignore:subprocess .* is still running:ResourceWarning")
+def test_an_editor_that_nobody_waits_for_any_more_ends(bar):
+    editing = mg.edit(bar, show="none")
+    process, folder = editing._process.pid, editing._folder
+    del editing
+    gc.collect()
+    assert not folder.exists()
+    while runs(process):
+        time.sleep(0.01)
 
 
 def test_a_program_that_cannot_start_is_told_of(bar):
