@@ -1,6 +1,7 @@
 #include "cgal_deformation.h"
 
 #include <chrono>
+#include <ctime>
 #include <stdexcept>
 
 #include <CGAL/Simple_cartesian.h>
@@ -13,10 +14,10 @@ namespace {
 
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 using SurfaceMesh = CGAL::Surface_mesh<Point>;
-using Clock = std::chrono::steady_clock;
 
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double>(to - from).count();
+double now(CgalClock clock) {
+  if (clock == CgalClock::processor) return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 SurfaceMesh make_surface_mesh(const BenchEdit& edit) {
@@ -31,28 +32,27 @@ SurfaceMesh make_surface_mesh(const BenchEdit& edit) {
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
-CgalResult run(const BenchEdit& edit, unsigned iterations) {
+CgalResult run(const BenchEdit& edit, unsigned iterations, CgalClock clock) {
   SurfaceMesh mesh = make_surface_mesh(edit);
 
-  const auto start = Clock::now();
+  const double start = now(clock);
   CGAL::Surface_mesh_deformation<SurfaceMesh, CGAL::Default, CGAL::Default, tag> deformation(mesh);
   for (const auto v : mesh.vertices()) deformation.insert_roi_vertex(v);
   for (const Index v : edit.fixed) deformation.insert_control_vertex(SurfaceMesh::Vertex_index(v));
   for (const Index v : edit.handle) deformation.insert_control_vertex(SurfaceMesh::Vertex_index(v));
-  const auto constructed = Clock::now();
+  const double constructed = now(clock);
   if (!deformation.preprocess()) throw std::runtime_error("CGAL's preprocess() failed");
-  const auto preprocessed = Clock::now();
+  const double preprocessed = now(clock);
   for (const Index v : edit.handle) {
     const Eigen::Vector3d target = edit.pose * edit.positions.row(v).transpose();
     deformation.set_target_position(SurfaceMesh::Vertex_index(v), Point(target[0], target[1], target[2]));
   }
-  const auto targets_set = Clock::now();
+  const double targets_set = now(clock);
   deformation.deform(iterations, 0);
-  const auto deformed = Clock::now();
+  const double deformed = now(clock);
 
   CgalResult result;
-  result.times = {seconds_between(start, constructed), seconds_between(constructed, preprocessed),
-                  seconds_between(targets_set, deformed)};
+  result.times = {constructed - start, preprocessed - constructed, deformed - targets_set};
   result.positions.resize(edit.positions.rows(), 3);
   for (const auto v : mesh.vertices()) {
     const Point& p = mesh.point(v);
@@ -63,11 +63,11 @@ CgalResult run(const BenchEdit& edit, unsigned iterations) {
 
 }  // namespace
 
-CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations) {
+CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations, CgalClock clock) {
   switch (method) {
-    case CgalMethod::original_arap: return run<CGAL::ORIGINAL_ARAP>(edit, iterations);
-    case CgalMethod::spokes_and_rims: return run<CGAL::SPOKES_AND_RIMS>(edit, iterations);
-    case CgalMethod::sre_arap: return run<CGAL::SRE_ARAP>(edit, iterations);
+    case CgalMethod::original_arap: return run<CGAL::ORIGINAL_ARAP>(edit, iterations, clock);
+    case CgalMethod::spokes_and_rims: return run<CGAL::SPOKES_AND_RIMS>(edit, iterations, clock);
+    case CgalMethod::sre_arap: return run<CGAL::SRE_ARAP>(edit, iterations, clock);
   }
   throw std::invalid_argument("unknown method");
 }

@@ -17,7 +17,11 @@ struct CgalResult {
   Points positions;  // n×3
 };
 
+/// The clock of `CgalTimes`: real time, or the processor time of this process.
+enum class CgalClock { wall, processor };
+
 /// Runs the edit once through CGAL's Surface_mesh_deformation with its default weights and linear solver.
-CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations);
+CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations,
+                    CgalClock clock = CgalClock::wall);
 
 }  // namespace meshgraft::bench
