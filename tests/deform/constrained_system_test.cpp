@@ -196,7 +196,7 @@ TEST(ConstrainedSystem, NothingKnownAndNoFieldGiveExactlyZero) {
     const Columns y = system.respond(values, {}, 1, {});
     EXPECT_TRUE(y.isZero(0));
     EXPECT_TRUE(system.maps(y, values, {}).isZero(0));
-    Points positions;
+    Points positions(scene.mesh.size(), 3);
     EvaluationReport report;
     system.evaluate(at_rest, {}, positions, &report, nullptr, {});
     EXPECT_TRUE(test::same_bytes(positions, scene.mesh.positions));
@@ -222,7 +222,7 @@ TEST(ConstrainedSystem, FollowsAnAffineMapOfAllConstraintsAndOfTheField) {
       const SystemScene moved(mesh, region, options);
       const ConstrainedSystem& system = *moved.system;
       const Columns maps = test::constant_maps(system.patch().size(), linear);
-      Points positions;
+      Points positions(mesh.size(), 3);
       EvaluationReport report;
       Columns solved;
       system.evaluate(moved.all_moved(map), {{maps, maps}, {}}, positions, &report, &solved, {});
@@ -313,7 +313,7 @@ TEST(ConstrainedSystem, SharedPartsGiveTheSolutionOfASystemSetUpAlone) {
     const std::vector<VertexConstraint> constraints = shared.constraints(std::vector{
         test::pose_of(test::head_move(scene)), test::pose_of(Eigen::Affine3d(Eigen::Translation3d(
                                                    0.1 * mesh.box_diagonal() * Eigen::Vector3d::Ones())))});
-    Points a, b;
+    Points a(scene.mesh.size(), 3), b(scene.mesh.size(), 3);
     shared.system->evaluate(constraints, {}, a, nullptr, nullptr, {});
     alone.system->evaluate(constraints, {}, b, nullptr, nullptr, {});
     const double bound = std::max(1e-9 * mesh.box_diagonal(), test::eight_ulp(mesh.positions));
@@ -365,7 +365,7 @@ TEST(ConstrainedSystem, WithoutUnknownsPlacesTheConstraints) {
   EXPECT_EQ(scene.system->row_count(), 0);
   EXPECT_EQ(scene.system->operators(), nullptr);
   const Eigen::Affine3d map = test::about_middle(mesh, test::linear_maps().front().second);
-  Points positions;
+  Points positions(mesh.size(), 3);
   Columns solved = Columns::Ones(3, 3);
   scene.system->evaluate(scene.all_moved(map), {}, positions, nullptr, &solved, {});
   EXPECT_EQ(solved.rows(), 0);

@@ -105,7 +105,7 @@ TEST(ResponseColumns, TheNumberOfThreadsDoesNotMatter) {
 
 TEST(ResponseColumns, WithoutRowsCopyTheBase) {
   const Points base = Points::Constant(5, 3, 1.5);
-  Points positions;
+  Points positions(5, 3);
   ResponseColumns({}, 2).place(Columns::Ones(2, 3), 1, base, positions, {});
   EXPECT_TRUE(test::same_bytes(positions, base));
 }
