@@ -144,8 +144,9 @@ struct View {
   Eigen::Vector3d centre;
   double scale = 1.0;
   Vec3 eye, right, up, ahead;
+  Vec3 zenith;  // away from the ground
   float tangent = 0.0f;
-  float ground = 0.0f;
+  float ground = 0.0f;  // height along the zenith
   Vec3 to_key, to_fill;
 };
 
@@ -203,9 +204,13 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   view.up = up.cast<float>();
   view.ahead = -back.cast<float>();
   view.tangent = static_cast<float>(tangent_y * margin);
-  view.ground = static_cast<float>((low.z() - view.centre.z()) / view.scale) - 1e-4f;
-  view.to_key = (-0.55 * right + 0.85 * camera.up.normalized() + 0.62 * back).cast<float>().normalized();
-  view.to_fill = (0.95 * right + 0.25 * camera.up.normalized() + 0.45 * back).cast<float>().normalized();
+  const Eigen::Vector3d zenith = camera.up.normalized();
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& q : points) lowest = std::min(lowest, q.dot(zenith));
+  view.zenith = zenith.cast<float>();
+  view.ground = static_cast<float>(lowest) - 1e-4f;
+  view.to_key = (-0.55 * right + 0.85 * zenith + 0.62 * back).cast<float>().normalized();
+  view.to_fill = (0.95 * right + 0.25 * zenith + 0.45 * back).cast<float>().normalized();
   return view;
 }
 
@@ -305,8 +310,9 @@ class Painter {
     Pixel out;
     out.plain = backdrop(x / width, y / height);
     out.point = view_.eye + 100.0f * direction;
-    if (!options_.ground || direction.z() >= -1e-4f) return out;
-    const Vec3 point = view_.eye + (view_.ground - view_.eye.z()) / direction.z() * direction;
+    const float sinking = direction.dot(view_.zenith);
+    if (!options_.ground || sinking >= -1e-4f) return out;
+    const Vec3 point = view_.eye + (view_.ground - view_.eye.dot(view_.zenith)) / sinking * direction;
     const float distance2 = point.squaredNorm();
     if (distance2 > 36.0f) return out;
     // The ground shows only its shadow, which fades out with the distance.
@@ -314,9 +320,9 @@ class Painter {
     out.by_open = 0.58f * fade * out.plain;
     out.by_key = 0.20f * fade * out.plain;
     out.plain *= 1.0f - 0.78f * fade;
-    out.open = openness(point, Vec3::UnitZ(), 3.0f, strata);
+    out.open = openness(point, view_.zenith, 3.0f, strata);
     out.key = key_visible(point, random) ? 1.0f : 0.0f;
-    out.normal = Vec3::UnitZ();
+    out.normal = view_.zenith;
     out.point = point;
     return out;
   }
@@ -386,7 +392,7 @@ class Painter {
     out.normal = normal;
     out.point = point;
     out.open = openness(point, normal, 1.2f, strata);
-    const float up = 0.5f + 0.5f * normal.z();
+    const float up = 0.5f + 0.5f * normal.dot(view_.zenith);
     const Vec3 sky = 0.62f * (up * sky_light + (1.0f - up) * ground_light);
     const Vec3 fill = 0.42f * std::max(0.0f, normal.dot(view_.to_fill)) * fill_light;
     out.plain = colour.cwiseProduct(0.35f * fill);

@@ -23,8 +23,8 @@ struct Shape {
 
 struct Camera {
   Eigen::Vector3d from_direction{0.5, -1.0, 0.35};  ///< towards the camera; fitted to the shapes
-  Eigen::Vector3d up{0, 0, 1};
-  double field_of_view_deg = 26.0;  ///< vertical
+  Eigen::Vector3d up{0, 0, 1};                      ///< away from the ground
+  double field_of_view_deg = 26.0;                  ///< vertical
   /// The box that the picture shows; if low > high, the bounding box of the shapes. Pictures for comparison
   /// share one.
   Eigen::Vector3d low{1, 1, 1}, high{0, 0, 0};
@@ -38,7 +38,7 @@ struct RenderOptions {
   bool smooth = true;       ///< interpolate vertex normals across edges flatter than `crease_angle_deg`
   double crease_angle_deg = 40.0;
   bool wireframe = false;
-  bool ground = true;  ///< a soft contact shadow below
+  bool ground = true;  ///< a soft contact shadow below, away from the camera's `up`
 };
 
 /// A ray-traced picture, 8-bit sRGB, height×width×3.

@@ -1,11 +1,13 @@
 #include "render/render.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/samples/samples.h>
@@ -44,6 +46,29 @@ TEST(Render, FitsTheShapeIntoThePictureWhereverItIs) {
   EXPECT_LT(pixel(here, 48, 36)[2], 200);
   EXPECT_GT(pixel(here, 48, 36)[0], pixel(here, 48, 36)[2]);
   EXPECT_NEAR(pixel(here, 48, 36)[0], pixel(there, 48, 36)[0], 12);
+}
+
+TEST(Render, LightAndShadowFollowTheDirectionThatIsUp) {
+  // The model and the camera are turned as one, so the picture stays, but for the random rays.
+  Mesh mesh = make_sample("octopus", 24);
+  const Shape shape{&mesh, {}};
+  RenderOptions options = small_picture();
+  options.occlusion_rays = 64;
+  const Image before = render({&shape, 1}, options);
+  const Points rest = mesh.positions;
+  for (const Eigen::Matrix3d& turn :
+       {Eigen::AngleAxisd(-1.5707963267948966, Eigen::Vector3d::UnitX()).toRotationMatrix(),
+        Eigen::AngleAxisd(2, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix()}) {
+    mesh.positions = rest * turn.transpose();
+    RenderOptions turned = options;
+    turned.camera.from_direction = turn * options.camera.from_direction;
+    turned.camera.up = turn * options.camera.up;
+    const Image after = render({&shape, 1}, turned);
+    double sum = 0;
+    for (std::size_t k = 0; k < before.pixels.size(); ++k)
+      sum += std::abs(int{before.pixels[k]} - int{after.pixels[k]});
+    EXPECT_LT(sum / static_cast<double>(before.pixels.size()), 1.0);
+  }
 }
 
 TEST(Render, ShowsColours) {
