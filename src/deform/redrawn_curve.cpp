@@ -149,8 +149,9 @@ struct CurveTurn {
 
 // Returns the proper rotation that fits the redrawn curve best to the curve at rest in the least-squares sense,
 // weighted by arc length (Kabsch 1976). Of a straight curve, the turn about itself is unknown: the smallest
-// rotation is taken, about `normal` where the direction is reversed. Curves whose second singular value is
-// from 2.5e-4 to 1e-3 of their size are in between.
+// rotation is taken, about `normal` where the direction is reversed. In between, at widths from 2.5e-4 to 1e-3
+// of the size, a share of the turn about itself is taken. The width is the root of the second singular value of
+// the covariance.
 CurveTurn turn_of_curve(const Points& rest, const Points& redrawn, const Eigen::VectorXd& weights,
                         const Eigen::Vector3d& normal) {
   const Points before = centred(rest, weights), after = centred(redrawn, weights);
@@ -165,13 +166,17 @@ CurveTurn turn_of_curve(const Points& rest, const Points& redrawn, const Eigen::
   const double size =
       std::sqrt(weights.dot(before.rowwise().squaredNorm()) * weights.dot(after.rowwise().squaredNorm()));
   const double width = std::sqrt(std::max(0.0, sigma[1] + sign * sigma[2]) / size);
-  constexpr double straight = 2.5e-4, wide = 0.99e-3;
+  constexpr double straight = 2.5e-4,
+                   wide = 0.99e-3;  // a little below 1e-3, so that rounding does not matter there
   const double share = std::clamp((width - straight) / (wide - straight), 0.0, 1.0);
   CurveTurn turn;
   if (share == 1) {
-    constexpr double flat = 0.1, within_plane = 0.02;  // a third of the width; 11°
+    constexpr double flat = 0.1;           // a third of the width
+    constexpr double within_plane = 1e-3;  // 2.5°
+    constexpr double similar = 0.995;      // the copy is a tenth of its size off
     turn.rotation = best;
-    turn.mirrored = sigma[2] <= flat * sigma[1] && sign * u.col(2).dot(v.col(2)) < within_plane - 1;
+    turn.mirrored = sigma[2] <= flat * sigma[1] && sign * u.col(2).dot(v.col(2)) < within_plane - 1 &&
+                    sigma[0] + sigma[1] + sign * sigma[2] > similar * size;
     return turn;
   }
   const Eigen::Matrix3d least = smallest_rotation(v.col(0), u.col(0), orthogonal_normal(normal, v.col(0)));

@@ -361,6 +361,10 @@ TEST(CurveConstraints, TakeAMirrorImageInThePlaneForHalfATurn) {
     for (const auto& constraint : curve_constraints(sample.handle, {sample.mesh.positions, normals}, mirrored))
       EXPECT_LT((*constraint.transform - half_turn).norm(), 1e-9);
   }
+  // Another stroke is no mirror image, wherever it runs.
+  Points stroke = arch.points();
+  for (Eigen::Index k = 0; k < stroke.rows(); ++k) stroke(k, 1) *= -std::sin(static_cast<double>(k) / 4);
+  EXPECT_FALSE(is_mirror_image(arch.handle, arch.mesh.positions, stroke));
   for (const RuledCurve& sample : wide_curves()) {
     EXPECT_FALSE(is_mirror_image(sample.handle, sample.mesh.positions, sample.points())) << sample.name;
     const Eigen::Affine3d turn = similarity(2, 2.5, {1, 0, 0});

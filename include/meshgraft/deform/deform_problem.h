@@ -33,7 +33,7 @@ struct VertexConstraint {
 /// A stationary anchor (FT05 section 6): a soft row draws the vertex to a target position. Under
 /// `Density::ft05` the row is weight · (x_i − target) beside the vertex's row of E_L. Under `aware` it is
 /// scaled by the compliance of the surface at the anchors, so that weight 1 halves what the edit would move
-/// them by (30 to 70 % are left where they would move unevenly) and weight 10 leaves about 1 %, at any
+/// them by (36 to 50 % were left in six edits by all methods) and weight 10 leaves a few per cent, at any
 /// resolution.
 struct Anchor {
   Index vertex = -1;
