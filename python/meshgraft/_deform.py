@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
@@ -41,10 +42,10 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
     if fixed is not None:
         step["fixed"] = _texts.spec_of(fixed, "fixed", vertices)
     if targets:
-        step["targets"] = [{"vertex": int(v), "position": _arrays.vector(position, f"targets[{v}]").tolist()}
+        step["targets"] = [{"vertex": operator.index(v), "position": _arrays.vector(position, f"targets[{v}]").tolist()}
                            for v, position in targets.items()]
     if transforms:
-        step["transforms"] = [{"vertex": int(v), "matrix": _arrays.matrix(matrix, f"transforms[{v}]", 3).tolist()}
+        step["transforms"] = [{"vertex": operator.index(v), "matrix": _arrays.matrix(matrix, f"transforms[{v}]", 3).tolist()}
                               for v, matrix in transforms.items()]
     if anchors is not None:
         step["anchors"] = [_anchor(entry, f"anchors[{i}]", vertices)
@@ -140,8 +141,8 @@ class _Solver(_Posed[M]):
     """What the exact deformer and the proxy have in common."""
 
     def _set_up(self, mesh: M, region: Any, handles: Mapping[str, Any], fixed: Any, anchors: Any,
-                features: Sequence[Any] | None, symmetry: Any,
-                weld: bool | None, settings: Mapping[str, Any]) -> tuple[Any, ...]:
+                features: Sequence[Any] | None, symmetry: Any, weld: bool | None, settings: Mapping[str, Any],
+                held: Callable[[Mesh], Mapping[str, Any]] | None = None) -> tuple[Any, ...]:
         for name in ("proxy", "refine_boundary"):
             if name in settings:
                 raise TypeError(f"{name!r} is a keyword of deform and of an edit's steps, not of {type(self).__name__}")
@@ -149,7 +150,8 @@ class _Solver(_Posed[M]):
         self._handles = list(handles or {})
         own = self._adapted.mesh
         step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, anchors=anchors,
-                           features=features, symmetry=symmetry, settings={**settings, **_texts.without_none(weld=weld)})
+                           features=features, symmetry=symmetry, settings={**settings, **_texts.without_none(weld=weld)},
+                           **(held(own) if held else {}))
         return _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deformer")
 
     def evaluate(self, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0, **named: Any) -> M:

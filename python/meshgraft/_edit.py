@@ -81,6 +81,8 @@ class Edit:
         """Adds a mesh by name: a mesh of any kind, the path of a file, or a built-in model (`sample`)."""
         if (mesh is None) == (sample is None):
             raise ValueError("input: give a mesh, a path, or sample")
+        if not name or name.startswith(".") or "/" in name or "\\" in name:
+            raise ValueError(f"name: '{name}' cannot name a file beside the edit")
         self._meshes.pop(name, None)
         if sample is not None:
             self._json["inputs"][name] = {"sample": sample, **({"resolution": resolution} if resolution else {})}
@@ -166,6 +168,8 @@ class Edit:
         if not overwrite and file.exists():
             raise FileExistsError(f"{file} exists")
         beside = [file.parent / self._json["inputs"][name]["file"] for name in self._meshes]
+        if file in beside:
+            raise ValueError(f"path: {file} is the file of a mesh of the edit")
         for mesh, where in zip(self._meshes.values(), beside):
             write(mesh, where, overwrite=overwrite)
         moved = with_files(json.loads(text), self._meshes,
@@ -233,8 +237,11 @@ def with_files(edit: dict[str, Any], but: Collection[str], change: Callable[[str
                     for key, entry in value.items()}
         return value
 
+    # Inputs and selections have names of the user's, which may be those of fields.
     inputs = {name: entry if name in but else changed(entry) for name, entry in edit["inputs"].items()}
-    return {**edit, "inputs": inputs, **{key: changed(edit[key]) for key in ("selections", "steps") if key in edit}}
+    selections = {name: changed(entry) for name, entry in edit.get("selections", {}).items()}
+    return {**edit, "inputs": inputs, **({"selections": selections} if "selections" in edit else {}),
+            "steps": changed(edit["steps"])}
 
 
 def _result(parts: Any) -> EditResult:

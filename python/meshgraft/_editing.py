@@ -10,6 +10,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import threading
 import weakref
 import webbrowser
 from collections.abc import Mapping, Sequence
@@ -19,7 +20,7 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar, cast
 from meshgraft import _core
 from meshgraft._adapters import adapt
 from meshgraft._edit import Edit, with_files
-from meshgraft._facts import Error
+from meshgraft._facts import Error, InputError
 from meshgraft._mesh import Mesh, read, sample
 from meshgraft._notebook import notebook
 
@@ -27,6 +28,7 @@ M = TypeVar("M")
 EditingState: TypeAlias = Literal["open", "done", "closed", "interrupted"]
 
 _open: weakref.WeakSet[Editing[Any]] = weakref.WeakSet()
+_shown: set[Editing[Any]] = set()  # open ones in a tab or a cell, which stay although no variable holds them
 
 
 class Editing(Generic[M]):
@@ -36,12 +38,16 @@ class Editing(Generic[M]):
     in it. Ctrl-C while one waits ends the editor.
     """
 
+    note: str = ""
+    """What is left out of the result, and why; empty otherwise."""
+
     def __init__(self, given: Any, edit: Edit | None, parts: Mapping[str, Any], options: Mapping[str, Any]) -> None:
         self._folder = Path(tempfile.mkdtemp(prefix="meshgraft-edit-")).resolve()
         self._process: subprocess.Popen[str] | None = None
-        self._clean_up = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
-        self._clean_up.atexit = False  # _close_all does it then
         self._owner = os.getpid()
+        self._clean_up = weakref.finalize(self, _remove, self._folder, self._owner)
+        self._clean_up.atexit = False  # _close_all does it then
+        self._lock = threading.RLock()  # several threads may wait
         try:
             self._begin(given, edit, parts, options)
         except BaseException:
@@ -54,6 +60,8 @@ class Editing(Generic[M]):
     def _begin(self, given: Any, edit: Edit | None, parts: Mapping[str, Any], options: Mapping[str, Any]) -> None:
         is_file = isinstance(given, (str, os.PathLike))
         name = cast(str, options["name"] or (Path(given).stem if is_file else "mesh"))
+        if name in parts:
+            raise ValueError(f"parts: '{name}' is the name of the mesh itself; choose another, or give name=")
         if edit is None:
             start = Edit().input(name, given)
         else:
@@ -85,7 +93,8 @@ class Editing(Generic[M]):
         """Writes the edit that the editor opens. Returns its file, and the folders of meshes in other files."""
         edit = self._start._copy()
         if not edit._json["steps"]:
-            edit._json["steps"] = [{"kind": "deform", "mesh": self._name, "region": {"indices": []}}]  # none does not do
+            # An edit file needs a step. This one moves nothing.
+            edit._json["steps"] = [{"kind": "deform", "mesh": self._name, "region": {"indices": []}}]
         folders: list[str] = []
 
         def note_folder(file: str) -> str:
@@ -102,13 +111,14 @@ class Editing(Generic[M]):
     @property
     def state(self) -> EditingState:
         """"open"; then "done" (by the button), "closed" (the page was closed) or "interrupted" (Ctrl-C, or `close`)."""
-        if self._state == "open" and self._process is not None and self._process.poll() is not None:
+        if os.getpid() == self._owner and self._state == "open" and cast(Any, self._process).poll() is not None:
             self._note_end()
         return self._state
 
     def wait(self, timeout: float | None = None) -> Editing[M]:
         """Waits until the editor has ended. Raises TimeoutError after `timeout` seconds. Ctrl-C ends the editor."""
         if self.state == "open":
+            self._require_owner()
             try:
                 cast(Any, self._process).wait(timeout)
             except subprocess.TimeoutExpired:
@@ -121,16 +131,22 @@ class Editing(Generic[M]):
 
     def close(self) -> None:
         """Ends the editor. What was done in it until now is the result."""
-        if self.state != "open":
-            return
-        process = cast(Any, self._process)
-        process.stdin.close()
-        try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        self._note_end()
+        with self._lock:
+            if self.state != "open":
+                return
+            self._require_owner()
+            process = cast(Any, self._process)
+            process.stdin.close()
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            self._note_end()
+
+    def _require_owner(self) -> None:
+        if os.getpid() != self._owner:
+            raise RuntimeError("the editor belongs to the process that this one was forked from")
 
     @property
     def mesh(self) -> M:
@@ -140,35 +156,43 @@ class Editing(Generic[M]):
 
     @property
     def edit(self) -> Edit:
-        """The edit; `edit.run()` makes the same mesh, to the byte. Waits until the editor has ended."""
+        """The edit; `edit.run()` makes the same mesh, to the byte. Waits until the editor has ended.
+
+        Where the edit cannot run, as for want of memory or of a file, it is the edit as it is.
+        """
         self.wait()
-        return self._finished()[1]
+        try:
+            return self._finished()[1]
+        except Error:
+            return self._last._copy()
 
     @property
     def edit_so_far(self) -> Edit:
         """The edit as it is now, accepted or not. Waits for nothing."""
-        return self._finished()[1] if self.state != "open" else self._read()
+        return self.edit if self.state != "open" else self._read()
 
     def _finished(self) -> tuple[Any, Edit]:
-        if self._outcome is None:
-            self._outcome = self._run(self._read() if self._folder.exists() else self._last)
-        return self._outcome
+        with self._lock:
+            if self._outcome is None:
+                self._outcome = self._run(self._last._copy())
+            return self._outcome
 
     def _run(self, edit: Edit) -> tuple[Any, Edit]:
-        """Runs the edit, without a last step that cannot run yet, such as a graft that is not complete."""
-        while edit._json["steps"]:
+        """Runs the edit, without a last step that is not complete: a graft, or a region without handles."""
+        steps = edit._json["steps"]
+        while steps:
             try:
                 result = edit.run().mesh
-            except Error:
-                last = edit._json["steps"].pop()
-                if last.get("handles") or last["kind"] != "deform":
-                    self.note = "The last step was not complete, and is left out."
+            except InputError as error:
+                last = steps[-1]
+                if f"steps[{len(steps) - 1}]" not in error.location or last.get("handles") or last["kind"] == "cut":
+                    raise
+                if last["kind"] == "merge":
+                    self.note = f"The last graft was not complete, and is left out: {error}"
+                steps.pop()
                 continue
             return self._in_given_type(edit, result), edit
         return self._given_mesh(), edit
-
-    note: str = ""
-    """What is left out of the result, and why; empty otherwise."""
 
     def _given_mesh(self) -> Any:
         if self._adapted is not None:
@@ -205,11 +229,14 @@ class Editing(Generic[M]):
         return edit
 
     def _note_end(self) -> None:
-        process = cast(Any, self._process)
-        said = process.stdout.read().split()
-        self._state = said[-1] if said and said[-1] in ("done", "closed") else "interrupted"
-        self._last = self._read()
-        self._end()
+        with self._lock:
+            if self._state != "open":
+                return
+            said = cast(Any, self._process).stdout.read().split()
+            self._last = self._read()
+            self._state = said[-1] if said and said[-1] in ("done", "closed") else "interrupted"
+            self._end()
+            _shown.discard(self)
 
     def _end(self) -> None:
         """Ends the program, if it runs, and deletes its folder."""
@@ -255,12 +282,16 @@ def edit(mesh: M | None = None, edit: Edit | None = None, *, parts: Mapping[str,
     if mesh is None and edit is None:
         raise TypeError("edit: give a mesh, an Edit, or both")
     here = notebook(origin, proxy) if show in (None, "cell") else None
+    if show not in (None, "cell", "tab", "none"):
+        raise ValueError(f"show: '{show}' is none of 'cell', 'tab', 'none'")
     if show == "cell" and here is None:
         raise ValueError("show: this is no notebook")
     options = {"name": name, "folders": [os.fspath(folder) for folder in folders], "port": port,
                "origins": here.origins if here else [] if origin is None else [origin] if isinstance(origin, str) else origin}
     editing: Editing[M] = Editing(mesh, edit, parts or {}, options)
     try:
+        if here is not None or show != "none":
+            _shown.add(editing)
         if here is not None:
             here.show(editing.url)
         elif show != "none":
@@ -290,6 +321,11 @@ def _program() -> str:
     if not found:
         raise FileNotFoundError("the program meshgraft was not found; $MESHGRAFT_PROGRAM may name it")
     return found
+
+
+def _remove(folder: Path, owner: int) -> None:
+    if os.getpid() == owner:  # not in a fork
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 @atexit.register

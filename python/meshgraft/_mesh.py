@@ -170,6 +170,10 @@ class Mesh:
         if array.ndim not in (1, 2) or len(array) != count or array.shape[-1] == 0 < count:
             raise ValueError(f"values: expected shape ({count},) or ({count}, k), not {array.shape}")
         kind = array.dtype.name if array.dtype.name in _SCALARS else "float64" if array.dtype.kind == "f" else "int32"
+        if kind == "int32" and array.size and not -2**31 <= array.min() <= array.max() < 2**31:
+            if max(abs(int(array.min())), abs(int(array.max()))) > 2**53:
+                raise ValueError("values: integers beyond 2^53 cannot be kept exactly")
+            kind = "float64"
         flat = np.ascontiguousarray(array.reshape(count, -1), dtype=np.float64)
         return Mesh._wrap(self._core.with_attribute(domain, name, flat, kind, interpolation, list(labels), []))
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ class Writer:
     def __init__(self, *, aside: bool) -> None:
         self.aside = aside
         self.arrays: dict[str, Any] = {}
+        self.taken: Collection[str] = ()  # names of the edit's own selections
 
     def plain(self, value: Any) -> Any:
         """Returns a value without arrays and selections."""
@@ -34,8 +36,9 @@ class Writer:
             return self.plain(value._spec)
         if isinstance(value, Mapping):
             indices = value.get("indices")
-            if isinstance(indices, np.ndarray) and self.aside:
-                name = f"array {len(self.arrays)}"
+            if isinstance(indices, np.ndarray) and self.aside and len(indices):
+                name = next(name for k in itertools.count(len(self.arrays))
+                            if (name := f"array {k}") not in self.taken and name not in self.arrays)
                 self.arrays[name] = indices
                 return name
             return {key: self.plain(entry) for key, entry in value.items()}
@@ -49,6 +52,7 @@ class Writer:
 
     def text(self, edit: Mapping[str, Any]) -> str:
         """Returns the text of an edit."""
+        self.taken = edit.get("selections", {})
         plain = self.plain(edit)
         if self.arrays:
             plain["selections"] = {**plain.get("selections", {}),

@@ -36,13 +36,21 @@ class VertexDeformer(Generic[M]):
     def __init__(self, mesh: M, region: Any = None, *, targets: ArrayLike = (), transforms: ArrayLike = (),
                  fixed: Any = None, anchors: Any = None, features: Sequence[Any] | None = None, weld: bool | None = None,
                  threads: int = 0, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> None:
-        given = _Solver._set_up(cast(Any, self), mesh, region, {}, fixed, anchors, features, None, weld, settings)
-        self._default = (threads, 0, None)
         self._adapted: Any
-        self.target_vertices = _distinct(targets, "targets", len(self._adapted.mesh))
+        self.target_vertices: IndexArray
         """the vertices of `targets`, in the order of their positions"""
-        self.transform_vertices = _distinct(transforms, "transforms", len(self._adapted.mesh))
+        self.transform_vertices: IndexArray
         """the vertices of `transforms`, in the order of their maps"""
+
+        def held(own: Mesh) -> dict[str, Any]:
+            # At rest, so that they are checked against the region and what is fixed, as those of `deform` are.
+            self.target_vertices = _distinct(targets, "targets", len(own))
+            self.transform_vertices = _distinct(transforms, "transforms", len(own))
+            return {"targets": {v: own.vertices[v] for v in self.target_vertices},
+                    "transforms": {v: np.eye(3) for v in self.transform_vertices}}
+
+        given = _Solver._set_up(cast(Any, self), mesh, region, {}, fixed, anchors, features, None, weld, settings, held)
+        self._default = (threads, 0, None)
         with calling(threads, None, progress) as call:
             self._core = _core.make_vertex_deformer(given, self.target_vertices, self.transform_vertices, call)
 

@@ -8,6 +8,7 @@ Wherever a function takes vertices, it takes an array of indices, a mask with on
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Iterable
 from typing import Any, cast
 
@@ -151,12 +152,12 @@ def path(points: Iterable[ArrayLike], *, closed: bool = False) -> Selection:
 
 def loop(number: int = 0) -> Selection:
     """A boundary loop, in its order; mesh.boundary_loops() numbers them."""
-    return Selection({"loop": int(number)})
+    return Selection({"loop": operator.index(number)})
 
 
 def component(number: int) -> Selection:
     """A connected component; mesh.components() numbers them."""
-    return Selection({"component": int(number)})
+    return Selection({"component": operator.index(number)})
 
 
 def produced(step: str, what: str) -> Selection:

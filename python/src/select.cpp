@@ -22,7 +22,8 @@ nb::object resolve_selection(const MeshHolder& holder, const nb::tuple& given, c
   const EditFile edit = edit_of(given).edit;
   return to_python(run_for(call_of(call), [&](const Context&) {
     const SelectionMesh context(*holder.mesh);
-    SelectionResolver resolver(edit, context, {});
+    const ProducedSets nothing_produced;  // the resolver refers to it
+    SelectionResolver resolver(edit, context, nothing_produced);
     try {
       return resolver.ordered({EditSelection::Named{"selection"}}, {});
     } catch (const Error& error) {

@@ -194,3 +194,50 @@ def test_a_picture_is_an_array_that_notebooks_show(bar, tmp_path):
     picture.save(tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 100 and bar._repr_png_()
     assert (picture * 2.0)._repr_png_() is None
+
+
+def test_names_of_selections_are_the_users(bar, ends, tmp_path):
+    handles = {"top": "file", "bottom": "array 0"}
+    edit = mg.Edit().input("bar", bar)
+    edit.selection("head", ends["top"]).selection("file", "head").selection("array 0", ends["bottom"])
+    edit.deform("bar", handles=handles, poses={"top": mg.Pose((0.5, 0, 0))}, anchors=np.arange(40, 60))
+    (tmp_path / "sub").mkdir()
+    edit.save(tmp_path / "sub/edit.json")
+    found = edit.run().mesh
+    assert np.allclose(found.vertices[ends["top"]] - bar.vertices[ends["top"]], (0.5, 0, 0))
+    assert mg.Edit.load(tmp_path / "sub/edit.json").run().mesh.vertices.tobytes() == found.vertices.tobytes()
+
+
+def test_an_empty_list_fixes_nothing(bar, ends):
+    handles, poses = {"top": ends["top"]}, {"top": mg.Pose((0, 0, 1))}
+    moved = mg.deform(bar, handles=handles, poses=poses, fixed=[])
+    assert np.allclose(moved.vertices, bar.vertices + (0, 0, 1))
+    with pytest.raises(mg.InputError, match="selects no vertex"):
+        mg.deform(bar, handles=handles, poses=poses, fixed=mg.select.sphere((99, 0, 0), 1))
+
+
+def test_what_no_step_has_made_is_an_error(bar):
+    with pytest.raises(mg.InputError, match="no step named 'a'"):
+        mg.select.produced("a", "b")(bar)
+
+
+def test_starts_are_told_in_the_order_in_which_they_are_given():
+    with pytest.raises(mg.Error, match="matches") as error:
+        mg.merge(mg.sample("posts", 24), mg.sample("bracket", 24), pairs=[(i, i) for i in range(4)])
+    fields = error.value.fields
+    assert f"matches=[({fields['target']}, {fields['source']})]" in error.value.remedy
+
+
+def test_large_integers_are_kept_or_refused(bar):
+    for value in (2**40, -5, 3_000_000_000):
+        assert (bar.with_attribute("vertex", "id", np.full(len(bar), value)).vertex["id"] == value).all()
+    with pytest.raises(ValueError, match="2\\^53"):
+        bar.with_attribute("vertex", "id", np.full(len(bar), 2**60))
+
+
+def test_vertices_by_number_are_whole_and_within_the_region(bar, ends):
+    with pytest.raises(TypeError):
+        mg.deform(bar, handles=ends, targets={7.9: (0, 0, 0)})
+    region = bar.vertices[:, 2] > 2
+    with pytest.raises(mg.InputError, match="outside the region"):
+        mg.VertexDeformer(bar, region, targets=[int(np.argmin(bar.vertices[:, 2]))])

@@ -279,3 +279,60 @@ def test_in_a_notebook_it_is_in_the_cell_and_waits_for_nothing(bar, ends, in_a_n
     with mg.edit(bar, proxy=True) as editing:
         port, query = editing.url.split(":")[2].split("/?")
         assert f'src="/proxy/{port}/?{query}"' in in_a_notebook[1]
+
+
+def test_an_edit_that_cannot_run_is_kept(bar, ends, tmp_path):
+    file, aside = tmp_path / "limb.ply", tmp_path / "aside.ply"
+    mg.write(bar, file)
+    editing = mg.edit(file, show="none")
+    page = open_page(editing.url)
+    pull(page, ends["top"])
+    finish(page)
+    editing.wait()
+    file.rename(aside)
+    with pytest.raises(mg.FileError):
+        editing.mesh
+    assert len(editing.edit.steps) == 1 and editing.note == ""
+    aside.rename(file)
+    assert np.abs(editing.mesh.vertices - bar.vertices).max() == 0.5
+
+
+def test_several_threads_may_wait(bar, ends):
+    editing = mg.edit(bar, show="none")
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(editing.mesh)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    page = open_page(editing.url)
+    pull(page, ends["top"])
+    finish(page)
+    for thread in threads:
+        thread.join()
+    assert len(found) == 4 and all(mesh is found[0] for mesh in found)
+
+
+def test_a_fork_leaves_the_editor_alone(bar, ends):
+    editing = mg.edit(bar, show="none")
+    child = os.fork()
+    if child == 0:
+        try:
+            with pytest.raises(RuntimeError, match="forked"):
+                editing.close()
+            editing._clean_up()
+            os._exit(0 if editing.state == "open" else 1)
+        finally:
+            os._exit(2)
+    assert os.waitpid(child, 0)[1] == 0
+    page = open_page(editing.url)
+    pull(page, ends["top"])
+    finish(page)
+    assert np.abs(editing.mesh.vertices - bar.vertices).max() == 0.5
+
+
+def test_parts_have_names_of_their_own(bar):
+    with pytest.raises(ValueError, match="parts: 'mesh'"):
+        mg.edit(bar, parts={"mesh": bar}, show="none")
+    with pytest.raises(ValueError, match="name: '../evil'"):
+        mg.edit(bar, name="../evil", show="none")
+    with pytest.raises(ValueError, match="show"):
+        mg.edit(bar, show="window")
