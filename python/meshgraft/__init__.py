@@ -15,8 +15,8 @@ from meshgraft._core import __version__
 from meshgraft._deform import Deformer, HandleBasis, ProxyDeformer, ReducedFrames, deform, estimated_memory
 from meshgraft._edit import Edit, EditResult, MethodOutcome, compare, methods
 from meshgraft._editing import Editing, edit
-from meshgraft._facts import (Cancelled, Error, FileError, InputError, Note, OutOfMemoryError, UnsolvableError,
-                              UsageError)
+from meshgraft._facts import (Cancelled, Error, FileError, InputError, Note, NoteWarning, OutOfMemoryError,
+                              UnsolvableError, UsageError)
 from meshgraft._live import LiveDeformer, LiveFrame
 from meshgraft._merge import MergeResult, drop, merge
 from meshgraft._mesh import Attributes, Mesh, read, sample, samples, write
@@ -32,7 +32,7 @@ from meshgraft.select import Selection
 __all__ = [
     "Attributes", "Cancelled", "CutResult", "Deformer", "DeformerSummary", "Diagnostics", "EdgePoints", "Edit",
     "EditReport", "EditResult", "Editing", "Error", "EvaluationReport", "FileError", "Finding", "Handle", "HandleBasis", "InputError",
-    "LiveDeformer", "LiveFrame", "MergeReport", "MergeResult", "Mesh", "MethodOutcome", "Note", "OutOfMemoryError",
+    "LiveDeformer", "LiveFrame", "MergeReport", "MergeResult", "Mesh", "MethodOutcome", "Note", "NoteWarning", "OutOfMemoryError",
     "Picture", "Pose", "ProxyDeformer", "ProxySummary", "Quality", "ReducedFrames", "RepairChange", "RepairResult",
     "SampleInfo", "Selection", "StepReport", "TopologySummary", "UnsolvableError", "UsageError", "VertexDeformer",
     "WriteResult",

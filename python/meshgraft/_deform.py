@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import sys
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Generic, TypeVar, cast
 
@@ -14,7 +15,7 @@ from meshgraft import _arrays, _core, _texts
 from meshgraft._adapters import adapt
 from meshgraft._calls import DEFAULT, CallArguments, Progress, calling
 from meshgraft._docs_of import documented
-from meshgraft._facts import Note
+from meshgraft._facts import Note, NoteWarning
 from meshgraft._mesh import Mesh
 from meshgraft._pose import handle_specs, pose_of, require_known
 from meshgraft._records import (DeformerSummary, DeformKeywords, EvaluationReport, HandleBuffers, ProxySummary,
@@ -51,10 +52,15 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
         step["anchors"] = [_anchor(entry, f"anchors[{i}]", vertices)
                            for i, entry in enumerate(anchors if isinstance(anchors, list) else [anchors])]
     if features is not None:
-        step["features"] = [feature_spec(entry, f"features[{i}]", vertices) for i, entry in enumerate(features)]
+        step["features"] = [feature_spec(entry, f"features[{i}]", vertices)
+                            for i, entry in enumerate(features if isinstance(features, list) else [features])]
     if symmetry is not None:
         step["symmetry"] = _symmetry(symmetry)
     if settings:
+        known = {*DeformKeywords.__annotations__, "proxy", "refine_boundary", "weld"}
+        for keyword in settings:
+            if keyword not in known:
+                raise TypeError(f"unexpected keyword argument {keyword!r}; the settings are {', '.join(sorted(known))}")
         step["settings"] = dict(settings)
     return step
 
@@ -96,7 +102,8 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     (vertices, "affine"). `symmetry`: a plane, (point, normal) or "x" for x = 0; an edit on one side happens on the other,
     too. A pair (plane, tolerance) tells how far a vertex may be from its mirror image, x the diagonal of the bounding box.
     `proxy`: solve a decimated proxy of about so many vertices. `memory`: bytes that the solve may take. All vertices
-    outside the region keep their bits.
+    outside the region keep their bits. Coincident vertices of triangle soups move as one. Other deviations from the
+    request, such as a proxy that was solved for want of memory, are told as a NoteWarning.
     """
     adapted = adapt(mesh)
     own = adapted.mesh
@@ -106,7 +113,10 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     options = {"estimate_condition": False, "strict": False, "keep": [], "memory": memory}
     edit = _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deform")
     with calling(threads, memory, progress) as call:
-        result, *_ = _core.run_one_step(edit, options, call)
+        result, _, report, *_ = _core.run_one_step(edit, options, call)
+    for note in (*report.notes, *report.steps[0].notes):
+        if note.id != "script.welded":  # as is told of deform
+            warnings.warn(str(note), NoteWarning, stacklevel=2)
     return cast(M, result if isinstance(mesh, Mesh) else adapted.at(result.vertices.copy()))
 
 
@@ -194,10 +204,12 @@ class _Solver(_Posed[M]):
 
     def handle_vertices(self, name: str) -> IndexArray:
         """Returns the vertices of a handle."""
+        require_known([name], self._handles)
         return cast(IndexArray, self._core.handle(self._handles.index(name)))
 
     def pivot(self, name: str) -> FloatArray:
         """Returns the point about which a handle turns unless its pose names another: the centre of its boundary."""
+        require_known([name], self._handles)
         return cast(FloatArray, self._core.pivot(self._handles.index(name)))
 
     @property

@@ -59,6 +59,8 @@ class Editing(Generic[M]):
 
     def _begin(self, given: Any, edit: Edit | None, parts: Mapping[str, Any], options: Mapping[str, Any]) -> None:
         is_file = isinstance(given, (str, os.PathLike))
+        if is_file and not Path(given).is_file():
+            raise FileNotFoundError(f"mesh: there is no file {os.fspath(given)!r}")
         name = cast(str, options["name"] or (Path(given).stem if is_file else "mesh"))
         if name in parts:
             raise ValueError(f"parts: '{name}' is the name of the mesh itself; choose another, or give name=")

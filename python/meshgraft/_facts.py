@@ -24,6 +24,10 @@ class Note:
         return f"{self.text}. {self.remedy}" if self.remedy else self.text
 
 
+class NoteWarning(UserWarning):
+    """Tells of a note on a result that has no place for notes."""
+
+
 class Error(Exception):
     """An error of the library. `str` is "location: problem. remedy"."""
 

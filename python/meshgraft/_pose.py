@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
@@ -133,6 +133,7 @@ def handle_specs(handles: Mapping[str, Any] | None, vertices: int | None,
 
     if handles is not None and not isinstance(handles, Mapping):
         raise ValueError(f"handles: expected a dict of names and vertices, not {type(handles).__name__}")
+    require_known(poses or {}, list(handles or {}))
     specs = []
     for name, handle in (handles or {}).items():
         own = handle if isinstance(handle, Handle) else Handle(handle)
@@ -146,12 +147,13 @@ def handle_specs(handles: Mapping[str, Any] | None, vertices: int | None,
         if poses and name in poses:
             spec["pose"] = pose_of(poses[name], name)._spec
         specs.append(spec)
-    require_known(poses or {}, list(handles or {}))
     return specs
 
 
-def require_known(poses: Mapping[str, Any], handles: Sequence[str]) -> None:
+def require_known(poses: Iterable[str], handles: Sequence[str]) -> None:
     """Raises TypeError for the pose of a handle that does not exist."""
+    if isinstance(poses, Pose):
+        raise TypeError("poses: expected a dict of poses by the names of handles, not a Pose")
     for name in poses:
         if name not in handles:
             known = ", ".join(handles) or "none"

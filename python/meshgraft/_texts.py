@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Collection, Mapping
+import math
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ def spec_of(value: Any, name: str, vertices: int | None) -> Any:
         return value._spec
     if isinstance(value, str):
         return value
-    return {"indices": _arrays.indices(value, name, vertices)}
+    return {"indices": np.array(_arrays.indices(value, name, vertices))}  # the caller may change its own
 
 
 class Writer:
@@ -57,7 +58,22 @@ class Writer:
         if self.arrays:
             plain["selections"] = {**plain.get("selections", {}),
                                    **{name: {"indices": [0]} for name in self.arrays}}
+        for place, number in _numbers(plain, ""):
+            if not math.isfinite(number):
+                raise ValueError(f"{place}: {number} is not finite")
         return json.dumps(plain, ensure_ascii=False, allow_nan=False)
+
+
+def _numbers(value: Any, place: str) -> Iterator[tuple[str, float]]:
+    """Finds the floating-point numbers in plain data, with their places."""
+    if isinstance(value, float):
+        yield place, value
+    elif isinstance(value, Mapping):
+        for key, entry in value.items():
+            yield from _numbers(entry, f"{place}.{key}" if place else str(key))
+    elif isinstance(value, list) and value and not isinstance(value[0], int):
+        for k, entry in enumerate(value):
+            yield from _numbers(entry, f"{place}[{k}]")
 
 
 def given(edit: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str = "edit", folder: str = "") -> tuple[Any, ...]:

@@ -132,3 +132,31 @@ def test_polygons_attributes_and_defects():
     found = mg.check(broken)
     assert {finding.kind for finding in found.findings} >= {"non-finite", "index-out-of-range"}
     assert found.findings[0].note.id == "mesh.non_finite" and found.findings[0].severity == "refused"
+
+
+def test_what_is_meant_as_a_number_must_be_one(bar, ends):
+    for keywords in ({"threads": 1.5}, {"threads": 10**12}, {"memory": -1}, {"memory": "1G"}, {"stiffness": float("nan")}):
+        name = next(iter(keywords))
+        with pytest.raises(ValueError, match=name):
+            mg.deform(bar, handles=ends, **keywords)
+
+
+def test_what_is_unknown_is_a_type_error(bar, ends):
+    d = mg.Deformer(bar, handles=ends)
+    for call in (lambda: d.pivot("x"), lambda: d.handle_vertices("x"), lambda: mg.deform(bar, handles=ends, metod="ft05"),
+                 lambda: mg.deform(bar, handles=ends, poses=mg.Pose())):
+        with pytest.raises(TypeError):
+            call()
+
+
+def test_arrays_that_change_afterwards_do_not_change_an_edit(bar):
+    vertices = np.arange(10)
+    edit = mg.Edit().input("bar", bar).deform("bar", handles={"a": vertices})
+    before = edit.to_json()
+    vertices[:] = 3
+    assert edit.to_json() == before
+
+
+def test_notes_are_warnings(bar, ends):
+    with pytest.warns(mg.NoteWarning, match="proxy"):
+        mg.deform(bar, handles=ends, poses={"top": mg.Pose((0.1, 0, 0))}, memory=1)
