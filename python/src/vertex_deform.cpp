@@ -161,7 +161,7 @@ void bind_vertex_deform(nb::module_& module) {
         return array_of(std::vector<Index>(free.begin(), free.end()));
       });
   module.def("make_vertex_deformer", &make_vertex_deformer);
-  // Of a deformer with handles.
+  // These two take a deformer with handles.
   module.def("constraints", [](const DeformerHolder& holder, const nb::sequence& poses) {
     return arrays_of(holder.deformer->constraints(holder.preparation->poses_of(poses)));
   });

@@ -1,4 +1,4 @@
-// What anchors' weights mean.
+// Weights of anchors mean the same on every surface and at every resolution.
 #include <cmath>
 #include <functional>
 #include <string>
