@@ -4,8 +4,9 @@
     tools/run_tests.py               all of them
     tools/run_tests.py release asan  some of them
 
-The last line is "N passed, N failed" over all configurations; the exit status is 1 if anything failed. A
-configuration that does not build counts as one failure and does not stop the others.
+The end names each failed test with a line of its output. The last line is "N passed, N failed" over all
+configurations; the exit status is 1 if anything failed. A configuration that does not build counts as one failure and
+does not stop the others.
 """
 
 import os
@@ -28,11 +29,18 @@ CONFIGURATIONS = {
 
 
 class Count:
-    def __init__(self, passed=0, failed=0, skipped=0):
-        self.passed, self.failed, self.skipped = passed, failed, skipped
+    """How many tests passed, failed and were skipped, and a line for each that failed."""
+
+    def __init__(self, passed=0, failed=0, skipped=0, failures=()):
+        self.passed, self.failed, self.skipped, self.failures = passed, failed, skipped, list(failures)
 
     def __add__(self, other):
-        return Count(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped)
+        return Count(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped,
+                     self.failures + other.failures)
+
+    def fail(self, failure):
+        self.failed += 1
+        self.failures.append(failure)
 
     def __str__(self):
         return f"{self.passed} passed, {self.failed} failed"
@@ -43,20 +51,31 @@ def run(*command):
     return subprocess.run(command, cwd=ROOT).returncode == 0
 
 
+def find_reason(output):
+    """The line of a failed test's output that says most: GoogleTest's two after "Failure", else the last error."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    for number, line in enumerate(lines):
+        if line.endswith("Failure"):
+            return " ".join(lines[number + 1:number + 3])
+    errors = [line for line in lines if "error" in line.lower()]
+    return (errors or lines or ["no output"])[-1]
+
+
 def read_results(junit):
     """Counts of a JUnit file of ctest's. A test that could not be started has the status "notrun", as a skipped
     one, but no message of a skip."""
     count = Count()
     for case in ElementTree.parse(junit).getroot().iter("testcase"):
         skip = case.find("skipped")
+        failure = f"{case.get('name')}: {find_reason(case.findtext('system-out', ''))[:160]}"
         if case.find("failure") is not None:
-            count.failed += 1
+            count.fail(failure)
         elif case.get("status") == "disabled" or (skip is not None and skip.get("message", "").startswith("SKIP_")):
             count.skipped += 1
         elif skip is None:
             count.passed += 1
         else:
-            count.failed += 1
+            count.fail(failure)
     return count
 
 
@@ -66,15 +85,13 @@ def test(preset):
     if preset == "release":
         configure.append("-DMESHGRAFT_BUILD_PYTHON=ON")
     if not run(*configure) or not run("cmake", "--build", "--preset", preset):
-        print(f"{preset}: does not build")
-        return Count(failed=1)
+        return Count(failed=1, failures=["does not build"])
     junit = ROOT / "build" / preset / "tests.xml"
     junit.unlink(missing_ok=True)
     succeeded = run("ctest", "--preset", preset, "--output-junit", str(junit))
     count = read_results(junit) if junit.exists() else Count()
     if not succeeded and count.failed == 0:
-        print(f"{preset}: ctest failed without a failed test")
-        count.failed = 1
+        count.fail("ctest failed without a failed test")
     return count
 
 
@@ -95,9 +112,10 @@ def main(names):
         count = test(name)
         skipped = f", {count.skipped} skipped" if count.skipped else ""
         lines.append(f"{name:<12} {count}{skipped} ({time.monotonic() - start:.0f} s)")
+        count.failures = [f"{name}: {failure}" for failure in count.failures]
         total += count
 
-    print("", *lines, sep="\n")
+    print("", *total.failures, *lines, sep="\n")
     if total.skipped:
         print(f"{total.skipped} skipped: see \"Skipped\" above for the reason")
     print(total, flush=True)

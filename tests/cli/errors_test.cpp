@@ -247,7 +247,9 @@ TEST_F(CommandLine, EditKeepsItsTokenFromOtherUsers) {
   EXPECT_NE(read_text(folder_ / ".page").find(token), std::string::npos);
   EXPECT_EQ(read_text(folder_ / ".mode"), "600\n");
   EXPECT_FALSE(std::filesystem::exists(opened.substr(0, opened.find('\n')))) << "removed at the end";
-  if (!name.empty()) EXPECT_EQ(name, "meshgraft\n");
+  if (!name.empty()) {
+    EXPECT_EQ(name, "meshgraft\n");
+  }
 }
 #endif
 

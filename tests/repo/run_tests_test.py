@@ -33,6 +33,15 @@ class RunTests(unittest.TestCase):
     def test_what_could_not_be_started_failed(self):
         self.assertEqual(self.count("missing", "passed"), (1, 1, 0))
 
+    def test_failures_are_named_with_a_reason(self):
+        gtest = "[ RUN ] A.B\n/a_test.cpp:7: Failure\nValue of: x\n  Actual: 2\n[ FAILED ] A.B\n"
+        self.assertEqual(run_tests.find_reason(gtest), "Value of: x Actual: 2")
+        self.assertEqual(run_tests.find_reason("Traceback\nValueError: no\nFAILED (1)\n\n"), "ValueError: no")
+        self.assertEqual(run_tests.find_reason(""), "no output")
+        count = run_tests.Count()
+        count.fail("b: 1 != 2")
+        self.assertEqual((run_tests.Count(1) + count).failures, ["b: 1 != 2"])
+
     def test_last_line(self):
         self.assertEqual(str(run_tests.Count(3, 1, 2) + run_tests.Count(1, 0, 0)), "4 passed, 1 failed")
 
