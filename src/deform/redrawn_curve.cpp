@@ -134,6 +134,11 @@ void require_redrawn(const Handle& handle, const Points& redrawn) {
         location_of(handle));
 }
 
+// A curve is straight where the second singular value of its covariance is below this share of its size
+// squared: its width is a thousandth of its size. It is a little below 1e-6, so that rounding does not matter
+// there.
+constexpr double straight = 0.98e-6;
+
 // Subtracts the mean that the weights give.
 Points centred(const Points& points, const Eigen::VectorXd& weights) {
   const Points from_first = points.rowwise() - points.row(0);  // keeps precision far from the origin
@@ -141,48 +146,75 @@ Points centred(const Points& points, const Eigen::VectorXd& weights) {
   return from_first.rowwise() - mean;
 }
 
-// The turn of a curve as a whole.
-struct CurveTurn {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+// A vertex of a curve: its tangents before and after the curve is redrawn, and a direction across the first.
+// All have unit length.
+struct TangentTurn {
+  Eigen::Vector3d before, after, across;
+  double stretch = 1;  // ratio of the lengths
+
+  Eigen::Matrix3d smallest() const { return smallest_rotation(before, after, across); }
+};
+
+std::vector<TangentTurn> tangent_turns(const Handle& handle, const RestSurface& rest, const Points& curve,
+                                       const Points& redrawn) {
+  std::vector<TangentTurn> turns;
+  for (Eigen::Index k = 0; k < curve.rows(); ++k) {
+    const CurveSample before = sample_curve(handle, curve, k, facts::deform::Curve::rest);
+    const CurveSample after = sample_curve(handle, redrawn, k, facts::deform::Curve::redrawn);
+    const Eigen::Vector3d normal = rest.normals.row(handle.vertices[k]).transpose();
+    turns.push_back({before.tangent, after.tangent, orthogonal_normal(normal, before.tangent),
+                     after.length / before.length});
+  }
+  return turns;
+}
+
+// The proper rotation that fits a redrawn curve best to the curve at rest in the least-squares sense, weighted
+// by arc length (Kabsch 1976).
+struct CurveFit {
+  Eigen::Matrix3d covariance;  // relative to the sizes of both curves
+  Eigen::Matrix3d rotation;
+  double misfit = 0;  // half the squared distance of the turned from the redrawn curve, relative to the size
+  double width = 0;   // second singular value of the covariance plus the third, which is less where it mirrors
+  double narrowness = 0;  // from 0, where the first two singular values are alike, to 1 of a straight curve
   bool mirrored = false;
 };
 
-// Returns the proper rotation that fits the redrawn curve best to the curve at rest in the least-squares sense,
-// weighted by arc length (Kabsch 1976). Of a straight curve, the turn about itself is unknown: the smallest
-// rotation is taken, about `normal` where the direction is reversed. In between, at widths from 2.5e-4 to 1e-3
-// of the size, a share of the turn about itself is taken. The width is the root of the second singular value of
-// the covariance.
-CurveTurn turn_of_curve(const Points& rest, const Points& redrawn, const Eigen::VectorXd& weights,
-                        const Eigen::Vector3d& normal) {
-  const Points before = centred(rest, weights), after = centred(redrawn, weights);
-  if (before == after) return {};
-  const Eigen::Matrix3d covariance = after.transpose() * weights.asDiagonal() * before;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+CurveFit fit_curve(const Points& rest, const Points& redrawn, const Eigen::VectorXd& weights) {
+  const auto unit = [&](const Points& points) -> Points {
+    const Points about_mean = centred(points, weights);
+    const double size = std::sqrt(weights.dot(about_mean.rowwise().squaredNorm()));
+    return size > 0 ? Points(about_mean / size) : about_mean;
+  };
+  const Points before = unit(rest), after = unit(redrawn);
+  CurveFit fit;
+  fit.covariance = after.transpose() * weights.asDiagonal() * before;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(fit.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();
   const Eigen::Vector3d sigma = svd.singularValues();
   const double sign = u.determinant() * v.determinant() < 0 ? -1 : 1;
-  const Eigen::Matrix3d best = u * Eigen::Vector3d(1, 1, sign).asDiagonal() * v.transpose();
+  fit.rotation = u * Eigen::Vector3d(1, 1, sign).asDiagonal() * v.transpose();
+  fit.misfit = 0.5 * weights.dot((before * fit.rotation.transpose() - after).rowwise().squaredNorm());
+  fit.width = sigma[1] + sign * sigma[2];
+  fit.narrowness = std::max(0.0, 1 - fit.width / sigma[0]);
+  constexpr double flat = 0.1;           // a third of the width
+  constexpr double within_plane = 1e-3;  // 2.5°
+  constexpr double similar = 0.005;      // the copy is a tenth of its size off
+  fit.mirrored = fit.width >= straight && sigma[2] <= flat * sigma[1] &&
+                 sign * u.col(2).dot(v.col(2)) < within_plane - 1 && fit.misfit < similar;
+  return fit;
+}
 
-  const double size =
-      std::sqrt(weights.dot(before.rowwise().squaredNorm()) * weights.dot(after.rowwise().squaredNorm()));
-  const double width = std::sqrt(std::max(0.0, sigma[1] + sign * sigma[2]) / size);
-  constexpr double straight = 2.5e-4,
-                   wide = 0.99e-3;  // a little below 1e-3, so that rounding does not matter there
-  const double share = std::clamp((width - straight) / (wide - straight), 0.0, 1.0);
-  CurveTurn turn;
-  if (share == 1) {
-    constexpr double flat = 0.1;           // a third of the width
-    constexpr double within_plane = 1e-3;  // 2.5°
-    constexpr double similar = 0.995;      // the copy is a tenth of its size off
-    turn.rotation = best;
-    turn.mirrored = sigma[2] <= flat * sigma[1] && sign * u.col(2).dot(v.col(2)) < within_plane - 1 &&
-                    sigma[0] + sigma[1] + sign * sigma[2] > similar * size;
-    return turn;
-  }
-  const Eigen::Matrix3d least = smallest_rotation(v.col(0), u.col(0), orthogonal_normal(normal, v.col(0)));
-  const Eigen::Vector3d spin = rotation_log(best * least.transpose());  // about the redrawn curve's direction
-  turn.rotation = rotation_exp(share * share * (3 - 2 * share) * spin) * least;
-  return turn;
+// Returns the turn of a curve as a whole: the rotation of the fit for a similar copy. What is no copy tells
+// little of how a narrow curve turns about itself: over a line with a slight dip, an arch would fit best upside
+// down. The smallest rotations of the tangents are therefore added to the covariance, by the misfit of a narrow
+// curve; and to that of a straight curve, whose turn about itself is unknown.
+Eigen::Matrix3d turn_of_curve(const CurveFit& fit, const std::vector<TangentTurn>& tangents,
+                              const Eigen::VectorXd& weights) {
+  Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < tangents.size(); ++k)
+    mean += weights[static_cast<Eigen::Index>(k)] / weights.sum() * tangents[k].smallest();
+  const double share = fit.narrowness * fit.narrowness * fit.misfit + std::max(0.0, straight - fit.width);
+  return nearest_rotation(fit.covariance + share * mean);
 }
 
 }  // namespace
@@ -220,7 +252,7 @@ bool is_mirror_image(const Handle& handle, const Points& rest, const Points& red
   require_curve(handle, rest);
   require_redrawn(handle, redrawn);
   const Points curve = rest_curve(handle, rest);
-  return turn_of_curve(curve, redrawn, vertex_lengths(handle, curve), Eigen::Vector3d::Zero()).mirrored;
+  return fit_curve(curve, redrawn, vertex_lengths(handle, curve)).mirrored;
 }
 
 std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
@@ -233,23 +265,23 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Rest
                                           .needed = rest.points.rows()},
                 location_of(handle));
   const Points curve = rest_curve(handle, rest.points);
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  for (const Index v : handle.vertices) normal += rest.normals.row(v).transpose();
-  const Eigen::Matrix3d turn = turn_of_curve(curve, redrawn, vertex_lengths(handle, curve), normal).rotation;
+  const Eigen::VectorXd weights = vertex_lengths(handle, curve);
+  const std::vector<TangentTurn> tangents = tangent_turns(handle, rest, curve, redrawn);
+  const bool moved_only = centred(curve, weights) == centred(redrawn, weights);
+  const Eigen::Matrix3d turn = moved_only
+                                   ? Eigen::Matrix3d::Identity()
+                                   : turn_of_curve(fit_curve(curve, redrawn, weights), tangents, weights);
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index k = 0; k < curve.rows(); ++k) {
     VertexConstraint constraint;
     constraint.vertex = handle.vertices[k];
     if (handle.constrain_position) constraint.position = redrawn.row(k).transpose();
     if (handle.constrain_transform) {
-      const CurveSample before = sample_curve(handle, curve, k, facts::deform::Curve::rest);
-      const CurveSample after = sample_curve(handle, redrawn, k, facts::deform::Curve::redrawn);
-      const Eigen::Vector3d across =
-          orthogonal_normal(rest.normals.row(constraint.vertex).transpose(), before.tangent);
+      const TangentTurn& tangent = tangents[k];
       // Fu & Tai 2005, section 4: new frame = Q · old frame. The frame turns with the curve first.
       const Eigen::Matrix3d rotation =
-          smallest_rotation(turn * before.tangent, after.tangent, turn * across) * turn;
-      constraint.transform = after.length / before.length * rotation;
+          smallest_rotation(turn * tangent.before, tangent.after, turn * tangent.across) * turn;
+      constraint.transform = tangent.stretch * rotation;
     }
     constraints.push_back(constraint);
   }

@@ -119,10 +119,10 @@ struct RestSurface {
 ///
 /// So a curve that is redrawn as a similar copy of itself, T(curve), has W = the linear part of T, and acts as
 /// a handle with the pose T. A curve in a plane that is redrawn as its mirror image in that plane is turned by
-/// 180° (`is_mirror_image`). How a straight curve turns about itself is unknown: Q is the smallest rotation
-/// where the second singular value of the curve is below 2.5e-4 of the first, and between the two up to 1e-3. A
-/// curve that is not redrawn gives exactly W = I. Where the tangent is reversed (t' = −Q t), it turns about the
-/// normal.
+/// 180° (`is_mirror_image`). Where the new course of a narrow curve is no copy, its misfit draws Q towards the
+/// mean of the smallest rotations of the tangents; so does straightness, where the second singular value of the
+/// curve is below 1e-3 of the first. A curve that is not redrawn gives exactly W = I. Where the tangent is
+/// reversed (t' = −Q t), it turns about the normal.
 ///
 /// Throws Error(input) for a handle that is no curve, and with the id deform.curve_without_tangent where
 /// neighbouring points coincide so that the tangent is undefined.
