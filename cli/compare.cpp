@@ -121,7 +121,9 @@ Pictures draw(const Comparison& comparison, const View& view, const Context& con
     captions.emplace_back(to_string(outcome.method));
   }
   meshes.front() = &rest;
-  std::vector<render::Image> images = make_pictures(meshes, options_of(view), context);
+  render::RenderOptions options = options_of(view);
+  if (meshes.size() > 1) options.camera = look_at_change(meshes, view, context);
+  std::vector<render::Image> images = make_pictures(meshes, options, context);
   Pictures pictures;
   pictures.sheet = contact_sheet(images, captions, 4);
   images.erase(images.begin());
@@ -228,7 +230,8 @@ void add_compare(CLI::App& program, Action& action) {
       command->add_option("-o,--output", arguments->folder, "A folder for tables, meshes and pictures")
           ->type_name("FOLDER");
 #ifdef MESHGRAFT_HAS_RENDER
-  for (CLI::Option* option : add_view(*command, arguments->view)) option->needs(folder);
+  for (CLI::Option* option : add_view(*command, arguments->view, "one that shows what changed"))
+    option->needs(folder);
 #endif
   add_threads(*command, arguments->threads);
   add_memory(*command, arguments->memory);

@@ -217,9 +217,7 @@ WrittenCut write_outputs(const CutArguments& arguments, const SoundMesh& usable,
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
     const Mesh after = pulled_apart(result);
-    const std::vector<const Mesh*> meshes{&usable.mesh(), &after};
-    picture = make_picture(meshes, std::vector<std::string>{"before", "after"},
-                           quick_options_of(arguments.view), context);
+    picture = make_comparison(usable.mesh(), after, arguments.view, context);
   }
 #endif
   context.step("write");

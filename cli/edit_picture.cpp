@@ -7,6 +7,8 @@
 
 #include <meshgraft/script/run_edit.h>
 
+#include "render/viewpoint.h"
+
 namespace meshgraft::cli {
 
 render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const View& view,
@@ -20,12 +22,18 @@ render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const V
                           [&](const EditInput& input) { return input.name == mesh_of(*merge); });
   std::vector<render::Image> images;
   std::vector<std::string> captions;
+  render::RenderOptions options = quick_options_of(view);
   const auto add = [&](const Mesh& mesh, const std::string& caption) {
     const Mesh* one = &mesh;
-    images.push_back(make_pictures({&one, 1}, quick_options_of(view), context).front());
+    images.push_back(make_pictures({&one, 1}, options, context).front());
     captions.push_back(caption);
   };
-  for (const EditInput& input : inputs) add(load_input(input, edit, context), input.name);
+  for (const EditInput& input : inputs) {
+    const Mesh mesh = load_input(input, edit, context);
+    if (images.empty() && view.from.empty())
+      options.camera.from_direction = render::direction_to_change(mesh, result, options.camera.up, context);
+    add(mesh, input.name);
+  }
   add(result, "result");
   return contact_sheet(images, captions, 4);
 }

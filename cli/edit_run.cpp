@@ -85,9 +85,7 @@ render::Image draw(const EditRunArguments& arguments, const EditFile& edit, cons
   if (!keeps_faces(edit)) return picture_of_parts(edit, result.mesh, arguments.view, context);
   Mesh before = result.mesh;
   before.positions = result.rest;
-  const std::vector<const Mesh*> meshes{&before, &result.mesh};
-  return make_picture(meshes, std::vector<std::string>{"before", "after"}, quick_options_of(arguments.view),
-                      context);
+  return make_comparison(before, result.mesh, arguments.view, context);
 }
 #endif
 

@@ -1,7 +1,6 @@
 #include "picture.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,12 +10,15 @@
 
 #include "choices.h"
 #include "cli/facts.h"
+#include "render/viewpoint.h"
 
 namespace meshgraft::cli {
 
-std::vector<CLI::Option*> add_view(CLI::App& command, View& view) {
+std::vector<CLI::Option*> add_view(CLI::App& command, View& view, const std::string& usual_direction) {
+  const std::string direction =
+      fmt::format("Direction from the model to the eye (default: {})", usual_direction);
   return {
-      command.add_option("--from", view.from, "Direction from the model to the eye (default 0.5 -1 0.35)")
+      command.add_option("--from", view.from, direction)
           ->expected(3)
           ->type_name("X Y Z")
           ->check(finite_number()),
@@ -36,20 +38,23 @@ std::vector<CLI::Option*> add_view(CLI::App& command, View& view) {
 void add_picture(CLI::App& command, std::filesystem::path& picture, View& view,
                  const std::string& description) {
   CLI::Option* option = command.add_option("--picture", picture, description)->type_name("FILE");
-  for (CLI::Option* of_view : add_view(command, view)) of_view->needs(option);
+  for (CLI::Option* of_view : add_view(command, view, "one that shows what changed")) of_view->needs(option);
 }
 
 render::RenderOptions options_of(const View& view) {
-  const Eigen::Map<const Eigen::Vector3d> from(view.from.data()), up(view.up.data());
-  if (from.isZero(0)) throw Error(facts::cli::NoDirection{}, "--from");
+  const Eigen::Map<const Eigen::Vector3d> up(view.up.data());
   if (up.isZero(0)) throw Error(facts::cli::NoDirection{}, "--up");
-  if (!(up.stableNormalized().cross(from.stableNormalized()).norm() > 1e-9))
-    throw Error(facts::cli::EyeAlongUp{}, "--from");
   render::RenderOptions options;
   options.width = view.width;
   options.height = view.height;
-  options.camera.from_direction = from.stableNormalized();
   options.camera.up = up.stableNormalized();
+  options.camera.from_direction = render::usual_direction(options.camera.up);
+  if (view.from.empty()) return options;
+  const Eigen::Map<const Eigen::Vector3d> from(view.from.data());
+  if (from.isZero(0)) throw Error(facts::cli::NoDirection{}, "--from");
+  options.camera.from_direction = from.stableNormalized();
+  if (!(options.camera.up.cross(options.camera.from_direction).norm() > 1e-9))
+    throw Error(facts::cli::EyeAlongUp{}, "--from");
   return options;
 }
 
@@ -59,17 +64,23 @@ render::RenderOptions quick_options_of(const View& view) {
   return options;
 }
 
+render::Camera look_at_change(std::span<const Mesh* const> meshes, const View& view, const Context& context) {
+  render::Camera camera = options_of(view).camera;
+  if (view.from.empty())
+    camera.from_direction = render::direction_to_change(*meshes.front(), *meshes.back(), camera.up, context);
+  const Eigen::AlignedBox3d box = render::box_of_change(meshes);
+  camera.low = box.min();
+  camera.high = box.max();
+  return camera;
+}
+
 std::vector<render::Image> make_pictures(std::span<const Mesh* const> meshes,
                                          const render::RenderOptions& options, const Context& context) {
   render::RenderOptions shared = options;
-  shared.camera.low.setConstant(std::numeric_limits<double>::infinity());
-  shared.camera.high.setConstant(-std::numeric_limits<double>::infinity());
-  for (const Mesh* mesh : meshes) {
-    for (const auto& position : mesh->positions.rowwise()) {
-      if (!position.allFinite()) continue;
-      shared.camera.low = shared.camera.low.cwiseMin(position.transpose());
-      shared.camera.high = shared.camera.high.cwiseMax(position.transpose());
-    }
+  if ((shared.camera.low.array() > shared.camera.high.array()).any()) {
+    const Eigen::AlignedBox3d box = render::box_of(meshes);
+    shared.camera.low = box.min();
+    shared.camera.high = box.max();
   }
   std::vector<render::Image> images;
   for (const Mesh* mesh : meshes) {
@@ -77,6 +88,13 @@ std::vector<render::Image> make_pictures(std::span<const Mesh* const> meshes,
     images.push_back(render::render({&shape, 1}, shared, context));
   }
   return images;
+}
+
+render::Image make_comparison(const Mesh& before, const Mesh& after, const View& view, const Context& context) {
+  const std::vector<const Mesh*> meshes{&before, &after};
+  render::RenderOptions options = quick_options_of(view);
+  options.camera = look_at_change(meshes, view, context);
+  return make_picture(meshes, std::vector<std::string>{"before", "after"}, options, context);
 }
 
 render::Image contact_sheet(std::span<const render::Image> images, std::span<const std::string> captions,

@@ -14,17 +14,19 @@
 
 namespace meshgraft::cli {
 
-/// The camera and the size of a picture, as the options of a command state them.
+/// The camera and the size of a picture, as the options of a command state them. Without `from`, the command
+/// chooses the direction.
 struct View {
-  std::vector<double> from{0.5, -1.0, 0.35}, up{0, 0, 1};
+  std::vector<double> from, up{0, 0, 1};
   int width = 1200, height = 900;
 };
 
 /// The size of pictures that accompany a result. They are smaller, so that they are drawn quickly.
 inline constexpr int picture_width = 900, picture_height = 675;
 
-/// Adds `--from`, `--up`, `--width` and `--height`. The defaults are those of `view`.
-std::vector<CLI::Option*> add_view(CLI::App& command, View& view);
+/// Adds `--from`, `--up`, `--width` and `--height`. The defaults are those of `view`; `usual_direction` says
+/// what the default of `--from` is.
+std::vector<CLI::Option*> add_view(CLI::App& command, View& view, const std::string& usual_direction);
 
 /// Adds `--picture` and the options of its view, which need it.
 void add_picture(CLI::App& command, std::filesystem::path& picture, View& view, const std::string& description);
@@ -36,13 +38,20 @@ render::RenderOptions options_of(const View& view);
 /// picture.
 render::RenderOptions quick_options_of(const View& view);
 
-/// Draws one picture per mesh, all with the same camera and in the same frame.
+/// Returns a camera that looks at what differs between the first mesh and the others.
+render::Camera look_at_change(std::span<const Mesh* const> meshes, const View& view, const Context& context);
+
+/// Draws one picture per mesh, all with the same camera and in the same frame: the camera's, or that of all
+/// meshes.
 std::vector<render::Image> make_pictures(std::span<const Mesh* const> meshes,
                                          const render::RenderOptions& options, const Context& context);
 
 /// Arranges pictures with captions in rows of equal length, at most `columns`. The last row may be shorter.
 render::Image contact_sheet(std::span<const render::Image> images, std::span<const std::string> captions,
                             std::size_t columns);
+
+/// Draws a mesh before and after a change, with a camera that looks at what changed.
+render::Image make_comparison(const Mesh& before, const Mesh& after, const View& view, const Context& context);
 
 /// Draws several meshes side by side with the same camera and in the same frame. A single mesh has no
 /// caption.

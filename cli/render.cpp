@@ -63,7 +63,7 @@ void add_render(CLI::App& program, Action& action) {
       ->type_name("MESH")
       ->expected(1, 8);
   command->add_option("-o,--output", arguments->output, "The PNG file to write")->required()->type_name("FILE");
-  add_view(*command, arguments->view);
+  add_view(*command, arguments->view, "0.5 -1 0.35, where up is 0 0 1");
   command->add_flag("--wireframe", arguments->wireframe, "Draw the edges");
   command->add_flag("--flat", arguments->flat, "Shade every face by its own normal");
   command->add_flag("--no-ground", arguments->no_ground, "Leave the shadow on the ground out");

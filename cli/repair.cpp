@@ -129,9 +129,7 @@ void write_repair_outputs(const RepairArguments& arguments, [[maybe_unused]] con
   std::optional<render::Image> picture;
   if (!arguments.picture.empty()) {
     const Mesh before = drawable(given);
-    const std::vector<const Mesh*> meshes{&before, &result.mesh};
-    picture = make_picture(meshes, std::vector<std::string>{"before", "after"},
-                           quick_options_of(arguments.view), context);
+    picture = make_comparison(before, result.mesh, arguments.view, context);
   }
 #endif
   context.step("write");

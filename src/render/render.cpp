@@ -207,6 +207,9 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   const Eigen::Vector3d zenith = camera.up.normalized();
   double lowest = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d& q : points) lowest = std::min(lowest, q.dot(zenith));
+  for (const Surface& surface : surfaces)  // also beyond the box that is shown
+    lowest = std::min(
+        lowest, ((surface.positions.rowwise() - view.centre.transpose()) * zenith).minCoeff() / view.scale);
   view.zenith = zenith.cast<float>();
   view.ground = static_cast<float>(lowest) - 1e-4f;
   view.to_key = (-0.55 * right + 0.85 * zenith + 0.62 * back).cast<float>().normalized();

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+#include "render.h"
+
+namespace meshgraft::render {
+
+/// Returns the direction towards the eye that a camera has by default: from the front, a little from the right
+/// and from above, in a world with this direction up.
+Eigen::Vector3d usual_direction(const Eigen::Vector3d& up);
+
+/// Returns the bounding box of several meshes. Coordinates that are not finite do not count.
+Eigen::AlignedBox3d box_of(std::span<const Mesh* const> meshes);
+
+/// Returns the box of the faces that the first mesh and another one do not share, with as much of the
+/// surroundings. Returns the box of all meshes where that is not much larger, or where they share all faces. A
+/// face is shared if its corners are at the same positions.
+Eigen::AlignedBox3d box_of_change(std::span<const Mesh* const> meshes);
+
+/// Returns the direction towards the eye from which most of what differs between two meshes is seen on `after`.
+/// It is `usual_direction` unless another one shows clearly more.
+Eigen::Vector3d direction_to_change(const Mesh& before, const Mesh& after, const Eigen::Vector3d& up,
+                                    const Context& context = {});
+
+}  // namespace meshgraft::render
