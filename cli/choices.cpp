@@ -67,6 +67,12 @@ CLI::Validator whole_number_from(int least, int most) {
                            [=](int value) { return value >= least && value <= most; });
 }
 
+CLI::Option* add_as_published(CLI::App& command, std::optional<Preset>& preset) {
+  return command.add_flag_callback(
+      "--as-published", [&preset] { preset = Preset::as_published; },
+      "Solve as Fu and Tai's paper of 2005 says, instead of by the settings of the edit file");
+}
+
 CLI::Option* add_threads(CLI::App& command, int& threads) {
   return command
       .add_option("--threads", threads,

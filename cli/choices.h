@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <meshgraft/script/edit_file.h>
+
 namespace meshgraft::cli {
 
 /// Returns the words that an option takes, or nothing if it takes free text. The type name of the option
@@ -36,6 +38,9 @@ CLI::Validator finite_number();
 CLI::Validator positive_number();
 CLI::Validator number_from(double least, double most);
 CLI::Validator whole_number_from(int least, int most);
+
+/// Adds `--as-published`, which sets the preset.
+CLI::Option* add_as_published(CLI::App& command, std::optional<Preset>& preset);
 
 /// Adds `--threads N`.
 CLI::Option* add_threads(CLI::App& command, int& threads);

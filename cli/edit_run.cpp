@@ -138,6 +138,7 @@ void add_backend(CLI::App& command, EditRunArguments& arguments) {
 
 void add_overrides(CLI::App& command, EditRunArguments& arguments) {
   SettingsOverrides& overrides = arguments.run.overrides;
+  add_as_published(command, overrides.preset);
   add_choice<Method>(command, "--method", overrides.method,
                      {{"ft05", DeformMethod::ft05},
                       {"rotation-aware", DeformMethod::rotation_aware},

@@ -135,6 +135,11 @@ MergeStep plain_step(const MergeArguments& arguments) {
   step.matches.insert(step.matches.end(), more.begin(), more.end());
   step.align = matches_from(arguments.align, "--align");
   step.pose = arguments.pose.value_or(step.pose);
+  if (arguments.run.overrides.preset) {
+    const MergeOptions published = MergeOptions::as_published();
+    step.shape = published.shape;
+    step.settings = {arguments.run.overrides.preset, published.deformer, published.seam};
+  }
   step.shape = arguments.run.overrides.shape.value_or(step.shape);
   if (!arguments.fix.empty()) step.fixed = selection_from(arguments.fix, source_loops(step), "--fix");
   for (const std::string& text : arguments.features)
@@ -309,7 +314,9 @@ void run_merge(const MergeArguments& arguments, Context context) {
   try {
     edit = edit_from(arguments);
     check_outputs(arguments, edit);
-    result = run_edit(edit, arguments.run, context);
+    RunOptions options = arguments.run;
+    if (arguments.plain()) options.overrides.preset.reset();  // the step has it, with `--band` and `--strip`
+    result = run_edit(edit, options, context);
   } catch (const Error& error) {
     if (!arguments.plain()) throw;
     throw in_words_of_options(error, arguments);
@@ -400,6 +407,7 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
 }
 
 void add_common_options(CLI::App& command, MergeArguments& arguments) {
+  add_as_published(command, arguments.run.overrides.preset);
   add_choice<MergeShape>(command, "--shape", arguments.run.overrides.shape,
                          {{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}},
                          "How the source deforms: only within the reach (similar), or as in the paper (ft05)");

@@ -28,7 +28,9 @@ RECORDS = (
 # Structs whose fields become keywords of functions: Python's name, the structs, and fields that have another name there
 # or none.
 KEYWORDS = {
-    "DeformKeywords": (("DeformerOptions", "OperatorOptions"), {"operators": None, "opposite_pairs": None}),
+    "DeformKeywords": (("DeformSettings", "DeformerOptions", "OperatorOptions"),
+                       {"deformer": None, "refine_boundary": None, "proxy": None, "weld": None, "operators": None,
+                        "opposite_pairs": None}),
     "OperatorKeywords": (("OperatorOptions",), {}),
     "SeamKeywords": (("SeamOptions",), {"target_rings": "band", "source_rings": None}),
     "RepairKeywords": (("RepairOptions",), {}),
@@ -299,7 +301,7 @@ class Python:
 
     def keyword_annotation(self, field):
         text = self.annotation(field.cpp_type)
-        return re.sub(r" \| None$", "", text) if field.name in ("method",) else text
+        return re.sub(r" \| None$", "", text) if field.name in ("method", "preset") else text
 
     def docs(self):
         out = ['"""The headers\' comments on functions and classes. Made by tools/python_records.py."""', "",

@@ -30,6 +30,17 @@ std::string_view to_string(DeformMethod value) {
   return "";
 }
 
+// All values are named, so that a changed default changes nothing here.
+DeformerOptions DeformerOptions::as_published() {
+  return {.method = DeformMethod::ft05,
+          .stiffness = 0,
+          .iterations = 20,
+          .smoothing_length_rel = 0.09,
+          .operators = OperatorOptions::as_published(),
+          .backend = SolverBackend::automatic,
+          .residual_corrections = 1};
+}
+
 Deformer::Impl::Impl(std::shared_ptr<const RestMesh> mesh, const Region& region,
                      std::span<const VertexConstraint> constraints, const DeformerOptions& chosen,
                      const Impl* other, const Context& context)

@@ -70,8 +70,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   Mesh oriented = oriented_as_target(source_mesh, target, options.fix_winding);
   std::vector<LoopPair> checked = checked_loops(target, oriented, pairs);
   require_held_components(oriented, checked);
-  RefinedSource source =
-      refine_source(std::move(oriented), std::move(checked), options.seam.edge_ratio, context);
+  RefinedSource source = refine_source(std::move(oriented), std::move(checked), options.seam, context);
   const std::vector<Index> component = connected_components(source.mesh);
   std::vector<PairGeometry> geometry =
       pair_geometry(target, source.mesh, source.pairs, options.smooth_boundary);

@@ -89,11 +89,11 @@ void refine_within_radii(RefinedSource& source, const Context& context) {
 
 }  // namespace
 
-RefinedSource refine_source(Mesh source, std::vector<LoopPair> pairs, double edge_ratio,
+RefinedSource refine_source(Mesh source, std::vector<LoopPair> pairs, const SeamOptions& options,
                             const Context& context) {
   RefinedSource refined{std::move(source), std::move(pairs), 0};
-  refine_around_loops(refined, edge_ratio, context);
-  refine_within_radii(refined, context);
+  refine_around_loops(refined, options.edge_ratio, context);
+  if (options.refine_radius) refine_within_radii(refined, context);
   return refined;
 }
 

@@ -16,9 +16,9 @@ struct RefinedSource {
 };
 
 /// Halves the source's edges near its loops. Around loops that are coarser than their target loops this is
-/// done until the target's edges are at least 1/edge_ratio times as long as the source's. Within each loop's
-/// radius it is done until the source can bend there.
-RefinedSource refine_source(Mesh source, std::vector<LoopPair> pairs, double edge_ratio,
+/// done until the target's edges are at least 1/edge_ratio times as long as the source's. With `refine_radius`
+/// it is done within each loop's radius until the source can bend there.
+RefinedSource refine_source(Mesh source, std::vector<LoopPair> pairs, const SeamOptions& options,
                             const Context& context);
 
 }  // namespace meshgraft

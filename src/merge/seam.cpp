@@ -226,8 +226,9 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
 
   context.step("seam", 0.8);
   result.report = measure_seam(mesh, layout, unfaired);
-  constexpr double folded_deg = 120;                  // chosen: edges bent more look folded over
-  if (result.report.dihedral_p99_deg > folded_deg) {  // fairing does not help faces of extreme shape
+  constexpr double folded_deg = 120;  // chosen: edges bent more look folded over
+  if (options.fairing_method == FairingMethod::curvature &&
+      result.report.dihedral_p99_deg > folded_deg) {  // fairing does not help faces of extreme shape
     Mesh without_fairing = mesh;
     without_fairing.positions = unfaired;
     without_fairing.attributes = attributes;

@@ -14,6 +14,7 @@
 #include "operators/laplacian.h"
 #include "reduce_folds.h"
 #include "seam_relaxation.h"
+#include "umbrella_smoothing.h"
 
 namespace meshgraft {
 
@@ -70,6 +71,14 @@ Band make_band(const Mesh& mesh, const SeamLayout& layout, const SeamOptions& op
   band.is_sharp = on_sharp_edges(band.patch, options.sharp_angle_deg);
   number_free_vertices(band, options);
   return band;
+}
+
+// Returns the patch's vertices that may move, ascending.
+std::vector<Index> moving_vertices(const Band& band) {
+  std::vector<Index> moving;
+  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v)
+    if (band.column[v] >= 0) moving.push_back(v);
+  return moving;
 }
 
 // Differential quantities of the surface for given vertex positions.
@@ -177,7 +186,9 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
     throw Error(facts::merge::SeamVertexNotFinite{.vertex = band.patch.vertex[v]},
                 Location::place("vertex " + std::to_string(band.patch.vertex[v]) + " of the joined mesh"));
   }
-  if (band.unknowns > 0 && options.fairings > 0) {
+  if (options.fairing_method == FairingMethod::umbrella) {
+    smooth_by_umbrella(points, band.rings, moving_vertices(band), options.fairings, context);
+  } else if (band.unknowns > 0 && options.fairings > 0) {
     // Fairing is linear: it needs a surface without folds, and leaves thin triangles where it moves vertices
     // far.
     const NearStrips near(band);
@@ -190,8 +201,7 @@ std::vector<Index> fair_seam(Mesh& mesh, const SeamLayout& layout, const SeamOpt
     reduce_folds(points, band.patch, options.sharp_angle_deg, near.all, context);
   }
   std::vector<Index> moved;
-  for (Index v = 0; v < static_cast<Index>(band.column.size()); ++v) {
-    if (band.column[v] < 0) continue;
+  for (const Index v : moving_vertices(band)) {
     moved.push_back(band.patch.vertex[v]);
     mesh.positions.row(band.patch.vertex[v]) = points.row(v);
   }

@@ -23,12 +23,22 @@ using Centred = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Col
 constexpr double rank_tolerance = 1e-8;
 constexpr int most_widenings = 3;
 
-/// SplitMix64 (Steele et al. 2014). Returns a sign per vertex that depends only on the seed and the vertex.
-double random_sign(std::uint64_t seed, std::uint64_t index) {
+/// Returns the output number `index` + 1 of SplitMix64 (Steele et al. 2014), started with the seed.
+std::uint64_t random_bits(std::uint64_t seed, std::uint64_t index) {
   std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15ULL;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return ((z ^ (z >> 31)) & 1) != 0 ? 1.0 : -1.0;
+  return z ^ (z >> 31);
+}
+
+/// Returns the length of the noise at a vertex, × the mean length of its edges; negative lengths are against
+/// the normal. It depends only on the options and the vertex.
+double noise_length(const OperatorOptions& options, Index vertex) {
+  const std::uint64_t bits = random_bits(options.seed, static_cast<std::uint64_t>(vertex));
+  if (options.noise_lengths == NoiseLengths::equal)
+    return (bits & 1) != 0 ? options.noise_length_rel : -options.noise_length_rel;
+  const double fraction = static_cast<double>(bits >> 11) * 0x1p-53;  // 0 … 1, without 1
+  return options.noise_length_rel * (0.8 + 0.4 * fraction);
 }
 
 Eigen::RowVector3d mean_of(const Points& points, std::span<const Index> vertices) {
@@ -146,9 +156,8 @@ StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintM
           points.row(i) + options.apex_height_rel * edge_lengths[i] * directions.row(i);
     } else if (!with_apexes && nodes.flat[i] && mask.is_movable(i)) {
       const Index number = surface.numbers.empty() ? i : surface.numbers[i];
-      // FT05 equation 7, with a random side, because noise on one side leaves a flat sheet rough.
-      nodes.positions.row(i) += random_sign(options.seed, static_cast<std::uint64_t>(number)) *
-                                options.noise_length_rel * edge_lengths[i] * directions.row(i);
+      // FT05 equation 7. Equal lengths have a random side, because noise on one side leaves a flat sheet rough.
+      nodes.positions.row(i) += noise_length(options, number) * edge_lengths[i] * directions.row(i);
       nodes.moved.push_back(i);
     }
   }

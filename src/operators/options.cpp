@@ -4,6 +4,21 @@
 
 namespace meshgraft {
 
+// All values are named, so that a changed default changes nothing here.
+OperatorOptions OperatorOptions::as_published() {
+  return {.weights = WeightScheme::uniform,
+          .density = Density::ft05,
+          .degenerate = DegenerateTreatment::ft05_noise,
+          .apex_height_rel = 0.5,
+          .noise_length_rel = 0.25,
+          .noise_lengths = NoiseLengths::random,
+          .flatness = 5e-5,
+          .seed = 1,
+          .laplacian_weight = 1,
+          .opposite_pairs = true,
+          .laplacian_order = 1};
+}
+
 void validate(const OperatorOptions& options) {
   require_between(options.apex_height_rel, 1e-3, 1e3, "apex_height_rel");
   require_between(options.noise_length_rel, 1e-3, 10, "noise_length_rel");
@@ -26,5 +41,7 @@ std::string_view to_string(DegenerateTreatment value) {
   }
   return "auto";
 }
+
+std::string_view to_string(NoiseLengths value) { return value == NoiseLengths::random ? "random" : "equal"; }
 
 }  // namespace meshgraft

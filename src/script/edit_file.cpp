@@ -352,6 +352,8 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
   return files;
 }
 
+std::string_view to_string(Preset value) { return value == Preset::as_published ? "as-published" : ""; }
+
 std::string_view to_string(EditSelection::SelRole value) {
   switch (value) {
     case EditSelection::SelRole::fixed: return "fixed";

@@ -11,8 +11,14 @@ namespace meshgraft {
 using json::Object;
 using json::Value;
 
-DeformerOptions parse_deformer(const Object& fields) {
-  DeformerOptions options;
+std::optional<Preset> parse_preset(const Object& fields) {
+  std::optional<Preset> preset;
+  fields.optional("preset",
+                  [&](const Value& v) { preset = v.choice<Preset>({{"as-published", Preset::as_published}}); });
+  return preset;
+}
+
+DeformerOptions parse_deformer(const Object& fields, DeformerOptions options) {
   OperatorOptions& operators = options.operators;
   fields.optional("method", [&](const Value& v) {
     options.method = v.choice<DeformMethod>({{"ft05", DeformMethod::ft05},
@@ -39,6 +45,10 @@ DeformerOptions parse_deformer(const Object& fields) {
   fields.optional("apex_height_rel", [&](const Value& v) { operators.apex_height_rel = v.positive_number(); });
   fields.optional("noise_length_rel",
                   [&](const Value& v) { operators.noise_length_rel = v.positive_number(); });
+  fields.optional("noise_lengths", [&](const Value& v) {
+    operators.noise_lengths =
+        v.choice<NoiseLengths>({{"equal", NoiseLengths::equal}, {"random", NoiseLengths::random}});
+  });
   fields.optional("flatness", [&](const Value& v) { operators.flatness = v.number_in(0, 1); });
   fields.optional("seed", [&](const Value& v) { operators.seed = v.unsigned_integer(); });
   fields.optional("laplacian_weight",
@@ -197,7 +207,9 @@ DeformSettings parse_settings(const Value& value) {
   known.insert(known.end(), {"refine_boundary", "proxy", "weld"});
   const Object fields(value, known);
   DeformSettings settings;
-  settings.deformer = parse_deformer(fields);
+  settings.preset = parse_preset(fields);
+  settings.deformer =
+      parse_deformer(fields, settings.preset ? DeformerOptions::as_published() : DeformerOptions{});
   fields.optional("refine_boundary", [&](const Value& v) {
     settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
   });

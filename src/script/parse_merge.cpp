@@ -78,15 +78,24 @@ Reach parse_reach(const Value& value) {
 
 MergeSettings parse_merge_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
-  known.insert(known.end(), {"strip", "edge_ratio", "fairings", former_fairings, "band", "sharp_angle_deg"});
+  known.insert(known.end(), {"strip", "edge_ratio", "refine_radius", "fairing_method", "fairings",
+                             former_fairings, "band", "sharp_angle_deg"});
   const Object fields(value, known);
   MergeSettings settings;
-  settings.deformer = parse_deformer(fields);
+  settings.preset = parse_preset(fields);
+  const MergeOptions base = settings.preset ? MergeOptions::as_published() : MergeOptions{};
+  settings.deformer = parse_deformer(fields, base.deformer);
+  settings.seam = base.seam;
   SeamOptions& seam = settings.seam;
   fields.optional("strip", [&](const Value& v) {
     seam.strip = v.choice<StripMethod>({{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}});
   });
   fields.optional("edge_ratio", [&](const Value& v) { seam.edge_ratio = v.number_in(1, 1e6); });
+  fields.optional("refine_radius", [&](const Value& v) { seam.refine_radius = v.boolean(); });
+  fields.optional("fairing_method", [&](const Value& v) {
+    seam.fairing_method = v.choice<FairingMethod>(
+        {{"umbrella", FairingMethod::umbrella}, {"curvature", FairingMethod::curvature}});
+  });
   for (const std::string_view name : {former_fairings, std::string_view("fairings")})
     fields.optional(name, [&](const Value& v) { seam.fairings = static_cast<int>(v.integer_in(0, 1000)); });
   fields.optional("band", [&](const Value& v) { seam.target_rings = static_cast<int>(v.integer_in(0, 100)); });
@@ -214,6 +223,8 @@ EditStep parse_merge_step(const Value& value) {
   fields.optional("pose", [&](const Value& v) {
     step.pose = v.choice<MergePose>({{"find", MergePose::find}, {"keep", MergePose::keep}});
   });
+  fields.optional("settings", [&](const Value& v) { step.settings = parse_merge_settings(v); });
+  if (step.settings.preset) step.shape = MergeOptions::as_published().shape;
   fields.optional("shape", [&](const Value& v) {
     step.shape = v.choice<MergeShape>({{"similar", MergeShape::similar}, {"ft05", MergeShape::ft05}});
   });
@@ -230,7 +241,6 @@ EditStep parse_merge_step(const Value& value) {
   fields.optional("features", [&](const Value& v) { step.features = parse_list(v, &parse_feature); });
   fields.optional("smooth_boundary", [&](const Value& v) { step.smooth_boundary = v.boolean(); });
   fields.optional("fix_winding", [&](const Value& v) { step.fix_winding = v.boolean(); });
-  fields.optional("settings", [&](const Value& v) { step.settings = parse_merge_settings(v); });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_merge_counts(v); });
   require_sense(step, fields);
   return {{}, {}, std::move(step)};

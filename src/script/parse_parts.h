@@ -46,12 +46,27 @@ inline void read_heading_version_1(const json::Object& fields, EditFile& edit) {
   });
 }
 
-/// The fields of settings that `parse_deformer` reads.
-inline constexpr std::array<std::string_view, 15> deformer_fields = {
-    "method",  "stiffness",        "iterations",      "smoothing_length_rel", "weights",
-    "density", "degenerate",       "apex_height_rel", "noise_length_rel",     "flatness",
-    "seed",    "laplacian_weight", "laplacian_order", "residual_corrections", "backend"};
-DeformerOptions parse_deformer(const json::Object& fields);
+/// The fields of settings that `parse_preset` and `parse_deformer` read.
+inline constexpr std::array<std::string_view, 17> deformer_fields = {"preset",
+                                                                     "method",
+                                                                     "stiffness",
+                                                                     "iterations",
+                                                                     "smoothing_length_rel",
+                                                                     "weights",
+                                                                     "density",
+                                                                     "degenerate",
+                                                                     "apex_height_rel",
+                                                                     "noise_length_rel",
+                                                                     "noise_lengths",
+                                                                     "flatness",
+                                                                     "seed",
+                                                                     "laplacian_weight",
+                                                                     "laplacian_order",
+                                                                     "residual_corrections",
+                                                                     "backend"};
+std::optional<Preset> parse_preset(const json::Object& fields);
+/// Reads the options of a solve. Those that are not given are those of `options`.
+DeformerOptions parse_deformer(const json::Object& fields, DeformerOptions options);
 FeatureSpec parse_feature(const json::Value& value);
 
 /// Former name of the backend `multifrontal`. Edit files with it are still read, with a note.

@@ -135,8 +135,8 @@ Json seam_json(const SeamReport& seam) {
           {"edge_ratio", seam.source_edge_ratio}};
 }
 
-Json merge_settings_json(const MergeOptions& options) {
-  Json json = settings_json(MergeSettings{options.deformer, options.seam});
+Json merge_settings_json(const std::optional<Preset>& preset, const MergeOptions& options) {
+  Json json = settings_json(MergeSettings{preset, options.deformer, options.seam});
   json["normal_angle_deg"] = options.normal_angle_deg;
   json["smooth_boundary"] = options.smooth_boundary;
   json["fix_winding"] = options.fix_winding;
@@ -149,7 +149,7 @@ void add_merge(Json& json, const MergeOutcome& merge) {
   json["source"] = merge.source;
   json["pose"] = pose_word(merge.options.pose);
   json["shape"] = shape_word(merge.options.shape);
-  json["settings"] = merge_settings_json(merge.options);
+  json["settings"] = merge_settings_json(merge.preset, merge.options);
   json["pairs"] = Json::array();
   for (const PairReport& pair : report.pairs) json["pairs"].push_back(pair_json(pair));
   json["part"] = shape_json(report.shape);

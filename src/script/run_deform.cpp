@@ -251,7 +251,15 @@ double largest_displacement(const Points& rest, const Points& edited) {
   return largest;
 }
 
+namespace {
+
+// Returns options with the overrides in their place, the preset before the others.
 DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides) {
+  if (overrides.preset) {
+    const SolverBackend backend = options.backend;
+    options = DeformerOptions::as_published();
+    options.backend = backend;
+  }
   OperatorOptions& operators = options.operators;
   if (overrides.method)
     if (const auto* method = std::get_if<DeformMethod>(&*overrides.method)) options.method = *method;
@@ -262,6 +270,27 @@ DeformerOptions effective_options(DeformerOptions options, const SettingsOverrid
   operators.degenerate = overrides.degenerate.value_or(operators.degenerate);
   options.backend = overrides.backend.value_or(options.backend);
   return options;
+}
+
+}  // namespace
+
+DeformSettings effective_settings(DeformSettings settings, const SettingsOverrides& overrides) {
+  settings.deformer = effective_options(settings.deformer, overrides);
+  if (overrides.preset) {
+    settings.preset = overrides.preset;
+    settings.proxy = 0;
+  }
+  settings.proxy = overrides.proxy.value_or(settings.proxy);
+  return settings;
+}
+
+MergeSettings effective_settings(MergeSettings settings, const SettingsOverrides& overrides) {
+  settings.deformer = effective_options(settings.deformer, overrides);
+  if (overrides.preset) {
+    settings.preset = overrides.preset;
+    settings.seam = MergeOptions::as_published().seam;
+  }
+  return settings;
 }
 
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Location& location,
@@ -288,9 +317,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   StepReport report;
   report.mesh = step.mesh;
   report.result = step.result.empty() ? step.mesh : step.result;
-  report.settings = step.settings;
-  report.settings.deformer = effective_options(step.settings.deformer, options.overrides);
-  report.settings.proxy = options.overrides.proxy.value_or(report.settings.proxy);
+  report.settings = effective_settings(step.settings, options.overrides);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
 
   context.step("select");

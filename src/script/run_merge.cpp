@@ -50,7 +50,7 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
                              const Location& location) {
   MergeOptions options;
   options.pose = step.pose;
-  options.shape = overrides.shape.value_or(step.shape);
+  options.shape = overrides.shape.value_or(overrides.preset ? MergeOptions::as_published().shape : step.shape);
   options.reach = step.reach;
   if (step.fixed) {
     options.fixed = source.selections.vertices(*step.fixed, location / "fixed");
@@ -66,10 +66,11 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
   options.normal_angle_deg = step.normal_angle_deg;
   options.smooth_boundary = step.smooth_boundary;
   options.fix_winding = step.fix_winding;
-  options.deformer = effective_options(step.settings.deformer, overrides);
+  const MergeSettings settings = effective_settings(step.settings, overrides);
+  options.deformer = settings.deformer;
   if (options.shape == MergeShape::ft05)
     options.deformer.method = DeformMethod::ft05;  // the shape implies the method
-  options.seam = step.settings.seam;
+  options.seam = settings.seam;
   return options;
 }
 
@@ -212,6 +213,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
   else
     pairs = resolve_pairs(step, source, target, location);
   outcome.options = resolve_options(step, source, options.overrides, location);
+  outcome.preset = effective_settings(step.settings, options.overrides).preset;
   require_merge_counts(step.counts, source, target, pairs, outcome.options.fixed.size(), location);
   for (const MatchSpec& pair : step.align) {
     if (const auto* number = std::get_if<Index>(&pair.source))

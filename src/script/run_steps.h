@@ -60,8 +60,9 @@ struct DeformSetup {
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Location& location,
                           const MeshState& state, const DeformSettings& settings);
 
-/// Returns a step's options with the overrides in their place.
-DeformerOptions effective_options(DeformerOptions options, const SettingsOverrides& overrides);
+/// Returns a step's settings with the overrides in their place.
+DeformSettings effective_settings(DeformSettings settings, const SettingsOverrides& overrides);
+MergeSettings effective_settings(MergeSettings settings, const SettingsOverrides& overrides);
 
 /// These run one step on its meshes in `states` and store the outcome there. They throw what `run_edit`
 /// throws.

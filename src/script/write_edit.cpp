@@ -282,26 +282,27 @@ Json input_json(const EditInput& input) {
 }
 
 // Writes all settings, so that a changed default changes no old edit.
-Json deformer_json(const DeformerOptions& options) {
+Json deformer_json(const std::optional<Preset>& preset, const DeformerOptions& options) {
   const OperatorOptions& operators = options.operators;
-  const bool automatic = operators.degenerate == DegenerateTreatment::automatic;
-  return {{"method", std::string(to_string(options.method))},
-          {"stiffness", options.stiffness},
-          {"iterations", options.iterations},
-          {"smoothing_length_rel", options.smoothing_length_rel},
-          {"weights", operators.weights == WeightScheme::cotangent ? "cotangent" : "uniform"},
-          {"density", operators.density == Density::aware ? "aware" : "ft05"},
-          {"degenerate", automatic                                           ? "auto"
-                         : operators.degenerate == DegenerateTreatment::apex ? "apex"
-                                                                             : "ft05-noise"},
-          {"apex_height_rel", operators.apex_height_rel},
-          {"noise_length_rel", operators.noise_length_rel},
-          {"flatness", operators.flatness},
-          {"seed", operators.seed},
-          {"laplacian_weight", operators.laplacian_weight},
-          {"laplacian_order", operators.laplacian_order},
-          {"residual_corrections", options.residual_corrections},
-          {"backend", name_of(options.backend)}};
+  Json json = Json::object();
+  if (preset) json["preset"] = to_string(*preset);
+  json["method"] = to_string(options.method);
+  json["stiffness"] = options.stiffness;
+  json["iterations"] = options.iterations;
+  json["smoothing_length_rel"] = options.smoothing_length_rel;
+  json["weights"] = to_string(operators.weights);
+  json["density"] = to_string(operators.density);
+  json["degenerate"] = to_string(operators.degenerate);
+  json["apex_height_rel"] = operators.apex_height_rel;
+  json["noise_length_rel"] = operators.noise_length_rel;
+  json["noise_lengths"] = to_string(operators.noise_lengths);
+  json["flatness"] = operators.flatness;
+  json["seed"] = operators.seed;
+  json["laplacian_weight"] = operators.laplacian_weight;
+  json["laplacian_order"] = operators.laplacian_order;
+  json["residual_corrections"] = options.residual_corrections;
+  json["backend"] = name_of(options.backend);
+  return json;
 }
 
 }  // namespace
@@ -311,7 +312,7 @@ std::string pose_word(MergePose pose) { return pose == MergePose::keep ? "keep" 
 std::string shape_word(MergeShape shape) { return shape == MergeShape::ft05 ? "ft05" : "similar"; }
 
 Json settings_json(const DeformSettings& settings) {
-  Json json = deformer_json(settings.deformer);
+  Json json = deformer_json(settings.preset, settings.deformer);
   json["refine_boundary"] = settings.refine_boundary;
   json["proxy"] = settings.proxy;
   json["weld"] = settings.weld;
@@ -319,9 +320,11 @@ Json settings_json(const DeformSettings& settings) {
 }
 
 Json settings_json(const MergeSettings& settings) {
-  Json json = deformer_json(settings.deformer);
+  Json json = deformer_json(settings.preset, settings.deformer);
   json["strip"] = settings.seam.strip == StripMethod::greedy ? "greedy" : "optimal";
   json["edge_ratio"] = settings.seam.edge_ratio;
+  json["refine_radius"] = settings.seam.refine_radius;
+  json["fairing_method"] = to_string(settings.seam.fairing_method);
   json["fairings"] = settings.seam.fairings;
   json["band"] = settings.seam.target_rings;
   json["sharp_angle_deg"] = settings.seam.sharp_angle_deg;

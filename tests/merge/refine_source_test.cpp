@@ -53,7 +53,7 @@ std::vector<RefineCase> refine_cases() {
 constexpr double most_edges_per_edge = 2;  // the default of SeamOptions::edge_ratio
 
 RefinedSource refined(const RefineCase& given, double edge_ratio = most_edges_per_edge) {
-  return refine_source(given.mesh, given.pairs, edge_ratio, {});
+  return refine_source(given.mesh, given.pairs, {.edge_ratio = edge_ratio}, {});
 }
 
 double area_of(const Mesh& mesh) {
@@ -227,7 +227,7 @@ TEST(RefineSource, AddsNothingToWhatIsFineEnough) {
   for (const RefineCase& given : refine_cases()) {
     const RefinedSource once = refined(given);
     if (keeps_a_long_edge(once)) continue;
-    const RefinedSource twice = refine_source(once.mesh, once.pairs, most_edges_per_edge, {});
+    const RefinedSource twice = refine_source(once.mesh, once.pairs, {.edge_ratio = most_edges_per_edge}, {});
     EXPECT_EQ(twice.added, 0) << given.name;
     EXPECT_EQ(twice.mesh.positions, once.mesh.positions) << given.name;
     EXPECT_EQ(twice.mesh.faces, once.mesh.faces) << given.name;

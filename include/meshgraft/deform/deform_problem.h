@@ -188,6 +188,9 @@ struct DeformerOptions {
   // The solve.
   SolverBackend backend = SolverBackend::automatic;
   int residual_corrections = 1;  ///< corrections per solve by the residual of the rectangular system
+
+  /// Returns the options of FT05 as written: its operator, by the method `ft05`. They never change.
+  static DeformerOptions as_published();
 };
 
 /// Seconds per stage and figures of the set-up.

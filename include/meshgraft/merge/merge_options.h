@@ -73,12 +73,23 @@ enum class StripMethod {
   optimal,  ///< the strip of least total cost (dynamic programming)
 };
 
+/// Methods to fair the band around a seam.
+enum class FairingMethod {
+  umbrella,   ///< each vertex moves to the mean of its ring, all at once (FT05 section 5)
+  curvature,  ///< a linear solve continues the curvature of both surfaces across the strip
+};
+
+std::string_view to_string(FairingMethod value);
+
 struct SeamOptions {
   StripMethod strip = StripMethod::optimal;
   /// Largest mean edge length of the target's loop / that of the source's. The target's ring at the seam is
   /// halved until this holds.
   double edge_ratio = 2;
-  int fairings = 2;             ///< fairings of the band, each a linear solve; 0 leaves it unchanged
+  /// Halves edges of the source within its loops' radii that are too long for it to bend there.
+  bool refine_radius = true;
+  FairingMethod fairing_method = FairingMethod::curvature;
+  int fairings = 2;             ///< fairings of the band; 0 leaves it unchanged
   int target_rings = 3;         ///< rings of the target that they may move; 0 leaves it unchanged bit for bit
   int source_rings = 3;         ///< rings of the source that they may move
   double sharp_angle_deg = 45;  ///< edges of the target sharper than this do not move
@@ -103,6 +114,10 @@ struct MergeOptions {
   /// than a bend does.
   DeformerOptions deformer{.iterations = 60};
   SeamOptions seam{};
+
+  /// Returns the options of FT05 as written: one linear solve of the whole source, the greedy strip, umbrella
+  /// smoothing of the band. They never change.
+  static MergeOptions as_published();
 };
 
 /// Location, size and rotation of a source that is put onto a surface without a hole.

@@ -27,20 +27,32 @@ enum class DegenerateTreatment {
   apex,        ///< an extra unknown above each vertex
 };
 
+/// Lengths by which `DegenerateTreatment::ft05_noise` moves flat vertices along their normals (FT05 equation
+/// 7).
+enum class NoiseLengths {
+  equal,   ///< `noise_length_rel` at every vertex, to a random side
+  random,  ///< 0.8 to 1.2 × `noise_length_rel`, to the side of the normal, as in FT05
+};
+
 struct OperatorOptions {
   WeightScheme weights = WeightScheme::uniform;
   Density density = Density::aware;
   DegenerateTreatment degenerate = DegenerateTreatment::automatic;
   double apex_height_rel = 0.5;    ///< × mean incident edge length
   double noise_length_rel = 0.25;  ///< × mean incident edge length
+  NoiseLengths noise_lengths = NoiseLengths::equal;
   /// Ratio of smallest to largest eigenvalue of P Pᵀ below which a ring counts as flat.
   double flatness = 5e-5;
-  std::uint64_t seed = 1;  ///< seed of the noise's signs
+  std::uint64_t seed = 1;  ///< seed of the noise's sides and lengths
   /// Weight λ of the energy λ E_L + E_R; 1 in FT05 (docs/method.md explains the default).
   double laplacian_weight = 20;
   /// E_R also has the pairs of vertices that are opposite each other across an edge, as in FT05 (its set SF).
   bool opposite_pairs = true;
   int laplacian_order = 1;  ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
+
+  /// Returns the options of FT05 as written: `ft05_noise` with random lengths, no density, λ = 1. They never
+  /// change.
+  static OperatorOptions as_published();
 };
 
 /// Throws Error(input) with the id core.out_of_range, at the field, if a value is out of its range.
@@ -49,6 +61,7 @@ void validate(const OperatorOptions& options);
 std::string_view to_string(WeightScheme value);
 std::string_view to_string(Density value);
 std::string_view to_string(DegenerateTreatment value);
+std::string_view to_string(NoiseLengths value);
 
 /// The parts of each vertex that are known before a solve, or shared with others. The vertices are those of a
 /// mesh or of a patch of it. The mask has no values and no order; the solvers get both with the constraints.

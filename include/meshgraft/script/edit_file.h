@@ -132,7 +132,15 @@ struct ExpectedCounts {
   std::optional<Index> vertices, faces, region, fixed, handle, free;
 };
 
+/// Settings that have a name. Other settings that a step gives replace those of its preset.
+enum class Preset {
+  as_published,  ///< FT05 as written; results never change
+};
+
+std::string_view to_string(Preset value);
+
 struct DeformSettings {
+  std::optional<Preset> preset;  ///< settings with a name, which the others replace
   DeformerOptions deformer;
   /// Number of times that edges around handles and around the region's fixed boundary are halved for the
   /// solve (FT05 section 6). The result has the original vertices only.
@@ -190,6 +198,7 @@ struct DropSpec {
 };
 
 struct MergeSettings {
+  std::optional<Preset> preset;  ///< also decides the shape, unless the step gives one
   DeformerOptions deformer = MergeOptions{}.deformer;
   SeamOptions seam;
 };

@@ -78,7 +78,8 @@ struct MergeOutcome {
   std::string source;  ///< name of the mesh that was grafted
   /// Its pose before the merge, as the step defines it.
   Eigen::Affine3d posing = Eigen::Affine3d::Identity();
-  MergeOptions options;  ///< options that were used
+  std::optional<Preset> preset;  ///< preset that was used
+  MergeOptions options;          ///< options that were used
   MergeReport report;
   IndexMap target_map, source_map;  ///< vertices, old → new, or -1 where one was removed
   std::vector<Index> new_faces;

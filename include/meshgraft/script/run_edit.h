@@ -14,6 +14,7 @@ namespace meshgraft {
 
 /// Settings that replace those of every step.
 struct SettingsOverrides {
+  std::optional<Preset> preset;  ///< replaces all settings but `backend`, `refine_boundary` and `weld`
   std::optional<Method> method;
   std::optional<double> stiffness;
   std::optional<int> iterations;

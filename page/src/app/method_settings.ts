@@ -125,6 +125,11 @@ export const settingsTable: readonly Setting[] = [
     max: 10, softMin: 0.01, softMax: 1, applies: usesNoise, help: "× the mean length of the vertex's edges.",
   },
   {
+    key: "noise_lengths", kind: "choice", label: "Noise lengths", group: "flat", more: true, defaultValue: "equal",
+    choices: [{ value: "equal", label: "Equal, either side" }, { value: "random", label: "Random, one side (paper)" }],
+    applies: usesNoise, help: "Random lengths are 0.8 to 1.2 times the noise length.",
+  },
+  {
     key: "flatness", kind: "number", label: "Flatness", group: "flat", more: true, defaultValue: 5e-5, min: 0, max: 1,
     softMin: 1e-7, softMax: 1e-2, logarithmic: true,
     help: "Below this a ring of neighbours counts as flat (ratio of eigenvalues).",
