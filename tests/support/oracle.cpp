@@ -6,7 +6,9 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 
 namespace meshgraft::test {
@@ -39,7 +41,9 @@ Oracle::Oracle(OracleProblem problem) : problem_(std::move(problem)) {
   }
 
   measure_surface();
+  if (problem_.noise_seed) add_noise(*problem_.noise_seed);
   set_weights();
+  widen_stencils();
   fit_at_rest();
   build_jacobian();
 }
@@ -103,6 +107,53 @@ void Oracle::set_weights() {
   }
 }
 
+// Moves a free vertex whose stencil is flat along its normal (FT05 equation 7): the smallest eigenvalue of P Pᵀ
+// is below 5e-5 of the largest. Its length is (0.2 + 0.1 u) times the mean edge, where u is output number i + 1
+// of SplitMix64, its upper 53 bits as a fraction of 1.
+void Oracle::add_noise(std::uint64_t seed) {
+  std::uint64_t state = seed;
+  for (Index i = 0; i < count_; ++i) {
+    state += 0x9e3779b97f4a7c15U;
+    std::uint64_t z = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    const double u = std::ldexp(static_cast<double>((z ^ (z >> 31)) >> 11), -53);
+    if (ring_[i].empty() || known_position_[i] || known_transform_[i]) continue;
+    MatrixXd stencil(static_cast<Eigen::Index>(ring_[i].size()) + 1, 3);
+    stencil.row(0) = problem_.rest.row(i);
+    for (std::size_t k = 0; k < ring_[i].size(); ++k)
+      stencil.row(static_cast<Eigen::Index>(k) + 1) = problem_.rest.row(ring_[i][k]);
+    const Eigen::RowVector3d centre = stencil.bottomRows(stencil.rows() - 1).colwise().mean();
+    stencil.rowwise() -= centre;
+    const Vector3d spread =
+        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stencil.transpose() * stencil).eigenvalues();
+    if (spread[0] < 5e-5 * spread[2]) p_.row(i) += (0.2 + 0.1 * u) * mean_edge_[i] * normal_.row(i);
+  }
+}
+
+// Adds the neighbours of its ring to a stencil that does not span space.
+void Oracle::widen_stencils() {
+  fit_ring_ = ring_;
+  for (Index i = 0; i < count_; ++i) {
+    if (ring_[i].empty() || known_transform_[i]) continue;
+    for (int widening = 0; widening < 3; ++widening) {
+      const MatrixXd stencil = centred_stencil(i, p_, apex_rest_);
+      const Eigen::VectorXd spread = Eigen::JacobiSVD<MatrixXd>(stencil).singularValues();
+      if (stencil.rows() >= 4 && spread[2] > 1e-8 * spread[0]) break;
+      std::set<Index> wider(fit_ring_[i].begin(), fit_ring_[i].end());
+      for (Index j : fit_ring_[i]) wider.insert(ring_[j].begin(), ring_[j].end());
+      wider.erase(i);
+      fit_ring_[i].assign(wider.begin(), wider.end());
+    }
+  }
+}
+
+std::vector<Index> Oracle::widened() const {
+  std::vector<Index> vertices;
+  for (Index i = 0; i < count_; ++i)
+    if (fit_ring_[i].size() > ring_[i].size()) vertices.push_back(i);
+  return vertices;
+}
+
 Eigen::RowVectorXd Oracle::umbrella(Index i, const MatrixXd& x) const {
   Eigen::RowVectorXd value = x.row(i);
   for (std::size_t k = 0; k < ring_[i].size(); ++k) value -= weight_[i][k] * x.row(ring_[i][k]);
@@ -129,10 +180,10 @@ double Oracle::row_scale(const Pair& pair) const {
 }
 
 MatrixXd Oracle::centred_stencil(Index i, const MatrixXd& x, const MatrixXd& a) const {
-  const auto ring = static_cast<Eigen::Index>(ring_[i].size());
+  const auto ring = static_cast<Eigen::Index>(fit_ring_[i].size());
   MatrixXd stencil(ring + (has_apex_[i] ? 2 : 1), x.cols());
   stencil.row(0) = x.row(i);
-  for (Eigen::Index k = 0; k < ring; ++k) stencil.row(1 + k) = x.row(ring_[i][static_cast<std::size_t>(k)]);
+  for (Eigen::Index k = 0; k < ring; ++k) stencil.row(1 + k) = x.row(fit_ring_[i][static_cast<std::size_t>(k)]);
   const Eigen::RowVectorXd mean = stencil.middleRows(1, ring).colwise().mean();
   if (has_apex_[i]) stencil.row(ring + 1) = a.row(i);
   return stencil.rowwise() - mean;
@@ -204,14 +255,14 @@ void Oracle::build_jacobian() {
   std::vector<std::vector<Term>> fit_terms(count_);
   for (Index i = 0; i < count_; ++i) {
     if (ring_[i].empty() || known_transform_[i]) continue;
-    const auto ring = static_cast<Eigen::Index>(ring_[i].size());
+    const auto ring = static_cast<Eigen::Index>(fit_ring_[i].size());
     const Eigen::Index size = ring + (has_apex_[i] ? 2 : 1);
     MatrixXd unit = MatrixXd::Identity(size, size);
     unit.middleCols(1, ring).array() -= 1.0 / static_cast<double>(ring);
     const MatrixXd h = fit_[i].solve(unit);
     for (Eigen::Index s = 0; s < size; ++s) {
       const Eigen::Index c = s == 0      ? column[i]
-                             : s <= ring ? column[ring_[i][static_cast<std::size_t>(s - 1)]]
+                             : s <= ring ? column[fit_ring_[i][static_cast<std::size_t>(s - 1)]]
                                          : apex_column[i];
       if (c >= 0) fit_terms[i].push_back({c, h.col(s)});
     }
@@ -280,7 +331,6 @@ Points Oracle::dense_minimum() const {
 
 Points Oracle::moved_back(const Points& x_moved) const {
   Points x = x_moved;
-  if (!problem_.moved) return x;
   for (Index i : free_)
     x.row(i) +=
         (problem_.rest.row(i) - p_.row(i)) * local_map(i, with_known_positions(x_moved), apex_rest_, false);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,8 +17,11 @@ namespace meshgraft::test {
 
 /// The data that the energy depends on.
 struct OracleProblem {
-  Points rest;                                ///< n×3
-  std::optional<Points> moved;                ///< n×3, p': vertices moved off their plane; else rest
+  Points rest;                  ///< n×3
+  std::optional<Points> moved;  ///< n×3, p': vertices moved off their plane; else rest
+  /// Moves flat vertices as FT05 equation 7 does, by the random lengths that docs/method.md states; not with
+  /// `moved`.
+  std::optional<std::uint64_t> noise_seed;
   Triangles triangles;                        ///< m×3
   std::vector<VertexConstraint> constraints;  ///< as for Deformer; all other vertices are free
   WeightScheme weights = WeightScheme::uniform;
@@ -59,6 +63,11 @@ class Oracle {
   /// Returns the derivative of the rows by free positions and then apexes. It is the same for x, y and z.
   const Eigen::SparseMatrix<double>& jacobian() const { return jacobian_; }
 
+  /// Returns p', n×3: the rest positions, where vertices were moved with their noise.
+  const Points& moved() const { return p_; }
+  /// Returns the fitted vertices whose stencil is wider than their ring.
+  std::vector<Index> widened() const;
+
   std::span<const Index> free_vertices() const { return free_; }
 
  private:
@@ -70,6 +79,8 @@ class Oracle {
   void find_rings_and_pairs();
   void measure_surface();
   void set_weights();
+  void add_noise(std::uint64_t seed);
+  void widen_stencils();
   void fit_at_rest();
   void build_jacobian();
 
@@ -80,7 +91,8 @@ class Oracle {
   double row_scale(Index i) const;
   double row_scale(const Pair& pair) const;
 
-  /// Returns the rows of {i} ∪ N(i) and of the apex, if any, relative to the mean of the ring; |S|×k.
+  /// Returns the rows of i, of its stencil's ring and of the apex, if any, relative to the mean of that ring;
+  /// |S|×k.
   Eigen::MatrixXd centred_stencil(Index i, const Eigen::MatrixXd& x, const Eigen::MatrixXd& a) const;
   /// Returns the transpose (3×k) of M_i, which is known or fitted to the stencil.
   Eigen::MatrixXd local_map(Index i, const Eigen::MatrixXd& x, const Eigen::MatrixXd& a,
@@ -95,7 +107,8 @@ class Oracle {
   Points p_;  // p' where vertices were moved, else p
   Index count_ = 0;
   std::vector<std::vector<Index>> ring_;
-  std::vector<std::vector<double>> weight_;  // w_ij, in the order of ring_
+  std::vector<std::vector<double>> weight_;   // w_ij, in the order of ring_
+  std::vector<std::vector<Index>> fit_ring_;  // of the stencil: ring_, or more where that spans too little
   std::vector<Pair> pairs_;
   std::vector<std::optional<Eigen::Vector3d>> known_position_;
   std::vector<std::optional<Eigen::Matrix3d>> known_transform_;
