@@ -175,6 +175,7 @@ EditFile plain_edit(const MergeArguments& arguments) {
   edit.inputs.push_back({.name = "source", .file = from_there(arguments.source)});
   edit.inputs.push_back({.name = "target", .file = from_there(arguments.target)});
   edit.steps.push_back({{}, {}, std::move(step)});
+  edit.made_with = this_library();
   // The parser checks the edit.
   return parse_edit(write_edit(edit), plain_edit_name, folder);
 }

@@ -158,13 +158,16 @@ class Edit:
 
     def to_json(self) -> str:
         """Returns the text of the edit file, checked. Meshes in memory appear as files beside it."""
+        return self._text(saved=False)
+
+    def _text(self, saved: bool) -> str:
         text = _texts.Writer(aside=False).text(self._json)
-        return cast(str, _core.normalised_edit((text, "edit", self._folder, {}, {})))
+        return cast(str, _core.normalised_edit((text, "edit", self._folder, {}, {}), saved))
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = True) -> list[Path]:
         """Writes the edit file, and meshes in memory beside it as NAME.ply. Returns the files that were written."""
         file = Path(path)
-        text = self.to_json()
+        text = self._text(saved=True)
         if not overwrite and file.exists():
             raise FileExistsError(f"{file} exists")
         beside = [file.parent / self._json["inputs"][name]["file"] for name in self._meshes]

@@ -117,8 +117,12 @@ void bind_edit(nb::module_& module) {
   module.def("run_edit", &run_given);
   module.def("run_one_step", &run_one_step);
   module.def("compare", &compare);
-  // Checks an edit, and returns it as a version 2 file.
-  module.def("normalised_edit", [](const nb::tuple& given) { return write_edit(edit_of(given).edit); });
+  // Checks an edit, and returns it as a version 2 file; `saved`: as one that this library wrote.
+  module.def("normalised_edit", [](const nb::tuple& given, bool saved) {
+    EditFile edit = edit_of(given).edit;
+    if (saved) edit.made_with = this_library();
+    return write_edit(edit);
+  });
   module.def("read_edit", [](const std::string& path) { return write_edit(read_edit_file(path)); });
   module.def("methods", [] {
     nb::list names;

@@ -1,6 +1,7 @@
 """Edits, selections, errors, and what can be pickled."""
 
 import copy
+import json
 import pickle
 
 import numpy as np
@@ -32,6 +33,38 @@ def test_a_saved_edit_does_the_same(bar, tmp_path):
     assert mg.Edit.load(tmp_path / "elsewhere" / "moved.json").run().mesh.vertices.tobytes() == again.mesh.vertices.tobytes()
     with pytest.raises(FileExistsError):
         edit.save(tmp_path / "edit.json", overwrite=False)
+
+
+def test_the_paper_as_published(bar):
+    edit = edit_of(bar)
+    published = edit.run(preset="as-published")
+    settings = published.report.steps[0].settings
+    assert settings.preset == "as-published" and settings.deformer.method == "ft05"
+    assert settings.deformer.operators.noise_lengths == "random" and settings.deformer.operators.laplacian_weight == 1
+    top = mg.select.half_space((0, 0, 3.7), "z")
+    bottom = mg.select.half_space((0, 0, 0.3), (0, 0, -1))
+    once = mg.deform(bar, handles={"top": top}, poses={"top": bend()}, fixed=bottom, preset="as-published")
+    assert once.vertices.tobytes() == published.mesh.vertices.tobytes() != edit.run().mesh.vertices.tobytes()
+    kept = mg.Deformer(bar, handles={"top": top}, fixed=bottom, preset="as-published").evaluate(top=bend())
+    assert np.allclose(kept.vertices, once.vertices, atol=1e-9)
+    half = mg.cut(bar, plane=((0, 0, 2), "z"), keep="below").mesh, mg.cut(bar, plane=((0, 0, 2), "z"), keep="above").mesh
+    merged = mg.merge(*half, matches=[((0.5, 0.5, 2), (0.5, 0.5, 2))], preset="as-published")
+    assert merged.options.shape == "ft05" and merged.options.seam.fairing_method == "umbrella"
+
+
+def test_an_edit_names_the_methods_that_made_it(bar, tmp_path):
+    edit = edit_of(bar)
+    edit.save(tmp_path / "edit.json")
+    saved = json.loads((tmp_path / "edit.json").read_text(encoding="utf-8"))
+    assert saved["made_with"] == {"version": mg.__version__, "methods": 1} and "made_with" not in edit.to_json()
+    assert mg.Edit.load(tmp_path / "edit.json").run().report.notes == ()
+    saved["made_with"]["methods"] = 1000
+    (tmp_path / "edit.json").write_text(json.dumps(saved), encoding="utf-8")
+    old = mg.Edit.load(tmp_path / "edit.json")
+    assert [note.id for note in old.run().report.notes] == ["script.other_methods"]
+    assert old.run(preset="as-published").report.notes == ()
+    old.save(tmp_path / "edit.json")
+    assert mg.Edit.load(tmp_path / "edit.json").run().report.notes == ()
 
 
 def test_a_report_has_what_the_edit_did(bar):

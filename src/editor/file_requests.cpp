@@ -204,7 +204,8 @@ Json Worker::open(const json::Value& message, const Context& context) {
   }
   show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, shared_.numbers,
                                    outbox_, context));
-  const std::vector<FileNote> notes = workspace_->notes_on_inputs({}, shared_.upload_folder);
+  std::vector<FileNote> notes = workspace_->notes_on_inputs({}, shared_.upload_folder);
+  for (const Note& note : workspace_->document().edit.notes) notes.push_back({note, {}});
   return {{"name", workspace_->source().name}, {"notes", file_notes_json(notes)}};
 }
 
@@ -263,9 +264,11 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
 
 // Returns the edit for a file in `folder`, with copies of the uploads there.
 EditFile Worker::form_to_save(const fs::path& folder) {
-  return saved_form(
+  EditFile edit = saved_form(
       with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder),
       folder);
+  edit.made_with = this_library();
+  return edit;
 }
 
 // Writes the edit for the program that waits for it, if there is one.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/core/version.h>
 #include <meshgraft/io/mesh_io.h>
 
 #include "io/file.h"
@@ -53,6 +54,29 @@ void note_former_words(const Value& step, std::vector<Note>& notes) {
   if (settings.raw().contains(former_fairings))
     notes.push_back(facts::script::FormerSetting{
         .location = settings.location().text(), .former = former_fairings, .name = "fairings"});
+}
+
+MadeWith parse_made_with(const Value& value) {
+  const Object fields(value, {"version", "methods"});
+  return {fields.required("version").string(),
+          static_cast<int>(fields.required("methods").integer_in(1, std::numeric_limits<int>::max()))};
+}
+
+// Returns whether the result of a step is that of FT05 as written, or does not depend on the methods.
+bool is_as_published(const EditStep& step) {
+  if (const auto* deform = std::get_if<DeformStep>(&step.action))
+    return deform->settings.preset && deform->settings.deformer.method == DeformMethod::ft05;
+  if (const auto* merge = std::get_if<MergeStep>(&step.action))
+    return merge->settings.preset && merge->shape == MergeShape::ft05;
+  return true;
+}
+
+// Notes if an edit was made with methods whose results may differ from those of this library.
+void note_other_methods(EditFile& edit) {
+  if (!edit.made_with || edit.made_with->methods == current_methods) return;
+  if (std::all_of(edit.steps.begin(), edit.steps.end(), is_as_published)) return;
+  edit.notes.push_back(facts::script::OtherMethods{
+      .version = edit.made_with->version, .methods = edit.made_with->methods, .current = current_methods});
 }
 
 std::string parse_sha256(const Value& value) {
@@ -220,10 +244,11 @@ void require_names(const EditFile& edit) {
 }
 
 EditFile parse_version_2(const Value& root) {
-  const Object fields(root, {"$schema", "format", "version", "name", "about", "inputs", "selections", "colours",
-                             "steps", "output"});
+  const Object fields(root, {"$schema", "format", "version", "made_with", "name", "about", "inputs",
+                             "selections", "colours", "steps", "output"});
   EditFile edit;
   fields.optional("$schema", [](const Value& v) { v.string(); });
+  fields.optional("made_with", [&](const Value& v) { edit.made_with = parse_made_with(v); });
   fields.optional("name", [&](const Value& v) { edit.name = v.string(); });
   fields.optional("about", [&](const Value& v) { edit.about = v.string(); });
   const Value inputs = fields.required("inputs");
@@ -262,6 +287,7 @@ EditFile parse_version_2(const Value& root) {
       require_new_name(step_names, edit.steps.back().name, step.member("name"));
   }
   fields.optional("output", [&](const Value& v) { edit.output = v.name(); });
+  note_other_methods(edit);
   return edit;
 }
 
@@ -278,6 +304,8 @@ void require_size(std::uintmax_t size, const Location& location) {
 }
 
 }  // namespace
+
+MadeWith this_library() { return {MESHGRAFT_VERSION, current_methods}; }
 
 const std::string& mesh_of(const EditStep& step) {
   const auto* merge = std::get_if<MergeStep>(&step.action);

@@ -169,7 +169,8 @@ EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions
   EditResult result;
   EditReport& report = result.report;
   report.edit = edit.location;
-  report.notes = edit.notes;
+  for (const Note& note : edit.notes)  // FT05 as written is the same with all methods
+    if (!options.overrides.preset || note.id() != facts::script::OtherMethods::id) report.notes.push_back(note);
   report.notes.insert(report.notes.end(), inputs.notes.begin(), inputs.notes.end());
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;

@@ -333,6 +333,8 @@ Json settings_json(const MergeSettings& settings) {
 
 std::string write_edit(const EditFile& edit) {
   Json json = {{"format", "meshgraft-edit"}, {"version", 2}};
+  if (edit.made_with)
+    json["made_with"] = {{"version", edit.made_with->version}, {"methods", edit.made_with->methods}};
   if (!edit.name.empty()) json["name"] = edit.name;
   if (!edit.about.empty()) json["about"] = edit.about;
   json["inputs"] = Json::object();

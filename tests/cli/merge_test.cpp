@@ -99,6 +99,33 @@ TEST_F(CommandLine, AMergedObjDefinesTheMaterialsOfBoth) {
   EXPECT_NE(read_text(folder_ / "a/body.obj").find("mtllib body_2.mtl"), std::string::npos);
 }
 
+TEST_F(CommandLine, MergesAsPublishedAndSavesAnEditThatDoes) {
+  write("body.obj", tube(0, true, ""));
+  write("part.obj", tube(1, false, ""));
+  const std::string merge = "merge body.obj part.obj --start 0:0 --as-published -o ";
+  const Outcome outcome = run(merge + "whole.ply --save-edit graft.json --json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json settings = json::parse(outcome.out)["steps"][0]["settings"];
+  EXPECT_EQ(settings["preset"], "as-published");
+  EXPECT_EQ(settings["fairing_method"], "umbrella");
+  const json saved = json::parse(read_text(folder_ / "graft.json"));
+  EXPECT_EQ(saved["made_with"]["methods"], 1);
+  EXPECT_EQ(saved["steps"][0]["shape"], "ft05");
+  EXPECT_EQ(saved["steps"][0]["settings"]["preset"], "as-published");
+  ASSERT_EQ(run("merge graft.json -o again.ply").status, 0);
+  EXPECT_EQ(read_text(folder_ / "again.ply"), read_text(folder_ / "whole.ply"));
+
+  // Other options win, and the preset can be asked of a file that does not have it.
+  ASSERT_EQ(run(merge + "other.ply --strip optimal --band 1 --save-edit other.json").status, 0);
+  const json other = json::parse(read_text(folder_ / "other.json"))["steps"][0]["settings"];
+  EXPECT_EQ(other["strip"], "optimal");
+  EXPECT_EQ(other["band"], 1);
+  ASSERT_EQ(run("merge body.obj part.obj --start 0:0 -o default.ply --save-edit default.json").status, 0);
+  EXPECT_NE(read_text(folder_ / "default.ply"), read_text(folder_ / "whole.ply"));
+  ASSERT_EQ(run("merge default.json --as-published -o asked.ply").status, 0);
+  EXPECT_EQ(read_text(folder_ / "asked.ply"), read_text(folder_ / "whole.ply"));
+}
+
 TEST_F(CommandLine, MergesColoursWithMaterials) {
   std::string coloured = tube(0, true, "");
   for (std::size_t v = coloured.find("v "); v != std::string::npos; v = coloured.find("\nv ", v + 1))

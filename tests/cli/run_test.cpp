@@ -155,6 +155,27 @@ TEST_F(CommandLine, OptionsOverrideTheFile) {
   EXPECT_EQ(step["settings"]["iterations"], 3);
 }
 
+TEST_F(CommandLine, SolvesAsPublished) {
+  const Outcome outcome = run("deform edit.json -o o.ply --json --as-published --density aware");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json settings = json::parse(outcome.out)["steps"][0]["settings"];
+  EXPECT_EQ(settings["preset"], "as-published");
+  EXPECT_EQ(settings["method"], "ft05");
+  EXPECT_EQ(settings["noise_lengths"], "random");
+  EXPECT_EQ(settings["laplacian_weight"], 1);
+  EXPECT_EQ(settings["density"], "aware");
+}
+
+TEST_F(CommandLine, TellsOfAnEditMadeWithOtherMethods) {
+  std::string old = edit();
+  old.insert(old.find("\"inputs\""), R"("made_with": {"version": "0.0.1", "methods": 1000},)");
+  write("old.json", old);
+  const Outcome outcome = run("run old.json");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("note: the edit was made with meshgraft 0.0.1"), std::string::npos) << outcome.out;
+  EXPECT_EQ(run("run old.json --as-published").out.find("0.0.1"), std::string::npos);
+}
+
 TEST_F(CommandLine, TheFormerNameOfASolverIsTakenWithANote) {
   if (const Outcome built_in = run("deform edit.json -o o.ply --backend multifrontal"); built_in.status != 0) {
     EXPECT_NE(built_in.err.find("MESHGRAFT_WITH_MULTIFRONTAL"), std::string::npos) << built_in.err;

@@ -73,6 +73,28 @@ TEST(Editor, OpensAnEditFileAndWhatBelongsToIt) {
   EXPECT_EQ(other.exact(1), shown);
 }
 
+TEST(Editor, SavesWhichMethodsMadeAnEditAndTellsOfOthers) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_bar);
+  paint_top(page);
+  Json edit = Json::parse(saved(page, folder / "bar.json"));
+  EXPECT_EQ(edit["made_with"]["methods"], current_methods);
+  const auto notes = [&] {
+    Page other(editor.url());
+    return other.ask({{"do", "open"}, {"path", "bar.json"}})["notes"];
+  };
+  EXPECT_EQ(notes(), Json::array());
+  edit["made_with"]["methods"] = current_methods + 1;
+  folder.file("bar.json", edit.dump());
+  ASSERT_EQ(notes().size(), 1U);
+  EXPECT_EQ(notes()[0]["id"], "script.other_methods");
+  edit["steps"][0]["settings"] = {{"preset", "as-published"}};
+  folder.file("bar.json", edit.dump());
+  EXPECT_EQ(notes(), Json::array());
+}
+
 TEST(Editor, KeepsAnUploadBesideTheEditThatNeedsIt) {
   const TemporaryFolder folder;
   const std::string model = read_file(bar_file(folder));

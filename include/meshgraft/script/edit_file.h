@@ -251,16 +251,31 @@ struct EditStep {
   std::variant<DeformStep, MergeStep, CutStep> action;
 };
 
+/// Number of the methods. It is raised when the same edit file gives other results than before, other than
+/// by rounding.
+inline constexpr int current_methods = 1;
+
+/// The program that an edit file was written by.
+struct MadeWith {
+  std::string version;  ///< of meshgraft
+  int methods = 0;      ///< its `current_methods`
+};
+
+/// Returns the version and the methods of this library.
+MadeWith this_library();
+
 /// A complete edit: the inputs and the steps, in order. Each step works on the meshes as the steps before it
 /// left them.
 struct EditFile {
   std::string name;
   std::string about;
+  std::optional<MadeWith> made_with;  ///< set it to `this_library()` before the edit is written to a file
   std::vector<EditInput> inputs;
   std::vector<NamedSelection> selections;
   std::vector<EditStep> steps;
   std::string output;  ///< name of the resulting mesh; empty = that of the last step
-  /// Notes on former words of the format, read as the current ones.
+  /// Notes on former words of the format, read as the current ones, and on other methods
+  /// (script.other_methods).
   std::vector<Note> notes;
 
   std::string location;               ///< name of the file in messages
