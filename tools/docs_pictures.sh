@@ -42,6 +42,7 @@ if [ -d build/release/python/meshgraft ]; then
   PYTHONPATH=build/release/python build/venv/bin/python tools/python_pictures.py
 fi
 python3 tools/method_pictures.py "$program" docs/images
+python3 tools/published_pictures.py "$program" docs/images
 python3 tools/defect_pictures.py "$program" docs/images
 python3 tools/repair_pictures.py "$program" docs/images
 [ "$made" -gt 0 ] || { echo "docs_pictures: no edit files in examples" >&2; exit 1; }
