@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,20 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 IndexArray = NDArray[np.int32]
+
+
+def path(value: object, name: str) -> str:
+    """Returns the path of a file as text."""
+    if not isinstance(value, (str, os.PathLike)) or not isinstance(text := os.fspath(value), str):
+        raise TypeError(f"{name}: expected a path, a str or an os.PathLike, not {type(value).__name__}")
+    return text
+
+
+def whole(value: object, name: str, largest: int) -> int:
+    """Returns a whole number from 0 on."""
+    if not isinstance(value, (int, np.integer)) or not 0 <= value <= largest:
+        raise ValueError(f"{name}: expected a whole number from 0 to {largest}, not {value!r}")
+    return int(value)
 
 
 def _numeric(value: ArrayLike, name: str, what: str) -> NDArray[Any]:
@@ -121,6 +136,8 @@ def indices(value: ArrayLike, name: str, vertices: int | None) -> IndexArray:
         if vertices is not None and len(array) != vertices:
             raise ValueError(f"{name}: a mask of {len(array)} flags for {vertices} vertices")
         return np.flatnonzero(array).astype(np.int32)
+    if array.dtype.itemsize == 1 and vertices is not None and len(array) == vertices > 2 and array.max() <= 1:
+        raise ValueError(f"{name}: an array of {array.dtype} with one 0 or 1 per vertex; is it a mask? .astype(bool)")
     return _as_int32(array, name, vertices)
 
 

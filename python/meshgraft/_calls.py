@@ -7,9 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
-import numpy as np
-
-from meshgraft import _core
+from meshgraft import _arrays, _core
 
 Progress: TypeAlias = "bool | Callable[[str, float | None], object] | None"
 """True shows a bar of tqdm's. A function gets the stage, and the fraction of it that is done or None."""
@@ -20,8 +18,8 @@ CallArguments: TypeAlias = "tuple[int, int, Any]"
 @contextmanager
 def calling(threads: int = 0, memory: int | None = None, progress: Progress = None) -> Iterator[CallArguments]:
     """Gives the arguments of a call of the extension module, and closes a bar after it."""
-    threads = _whole(threads, "threads", 2**16)
-    memory = None if memory is None else _whole(memory, "memory", 2**63 - 1)
+    threads = _arrays.whole(threads, "threads", 2**16)
+    memory = None if memory is None else _arrays.whole(memory, "memory", 2**63 - 1)
     if progress is None or progress is False:
         yield threads, memory or 0, None
     elif progress is True:
@@ -29,12 +27,6 @@ def calling(threads: int = 0, memory: int | None = None, progress: Progress = No
             yield threads, memory or 0, bar
     else:
         yield threads, memory or 0, progress
-
-
-def _whole(value: object, name: str, largest: int) -> int:
-    if not isinstance(value, (int, np.integer)) or not 0 <= value <= largest:
-        raise ValueError(f"{name}: expected a whole number from 0 to {largest}, not {value!r}")
-    return int(value)
 
 
 class _Bar:

@@ -58,17 +58,15 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
         step["symmetry"] = _symmetry(symmetry)
     if settings:
         known = {*DeformKeywords.__annotations__, "proxy", "refine_boundary", "weld"}
-        for keyword in settings:
-            if keyword not in known:
-                raise TypeError(f"unexpected keyword argument {keyword!r}; the settings are {', '.join(sorted(known))}")
+        _texts.require_known(settings, known)
         step["settings"] = dict(settings)
     return step
 
 
 def _symmetry(value: Any) -> dict[str, Any]:
     """Reads a plane, or a pair (plane, tolerance)."""
-    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], float):
-        return {**_arrays.plane(value[0], "symmetry[0]"), "tolerance_rel": value[1]}
+    if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[1]) == 0 and not isinstance(value[1], str):
+        return {**_arrays.plane(value[0], "symmetry[0]"), "tolerance_rel": float(value[1])}
     return dict(_arrays.plane(value, "symmetry"))
 
 

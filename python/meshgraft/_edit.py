@@ -72,7 +72,7 @@ class Edit:
             self._json["about"] = about
         self._json.update(inputs={}, steps=[])
         self._meshes: dict[str, Mesh] = {}
-        self._folder = ""
+        self._folder = os.getcwd()  # paths are relative to it
 
     # Building.
 
@@ -87,11 +87,15 @@ class Edit:
         if sample is not None:
             self._json["inputs"][name] = {"sample": sample, **({"resolution": resolution} if resolution else {})}
         elif isinstance(mesh, (str, os.PathLike)):
-            self._json["inputs"][name] = {"file": os.fspath(mesh), **({"sha256": sha256} if sha256 else {})}
+            self._json["inputs"][name] = {"file": self._in_folder(os.fspath(mesh)), **({"sha256": sha256} if sha256 else {})}
         else:
             self._meshes[name] = adapt(mesh, name).mesh
             self._json["inputs"][name] = {"file": f"{name}.ply"}
         return self
+
+    def _in_folder(self, path: str) -> str:
+        """Returns a path that is relative to the working directory, as the edit keeps it."""
+        return path if os.path.isabs(path) or os.getcwd() == self._folder else os.path.relpath(path, self._folder)
 
     def selection(self, name: str, vertices: Any) -> Self:
         """Adds a vertex set that steps can name."""
@@ -164,28 +168,35 @@ class Edit:
         text = _texts.Writer(aside=False).text(self._json)
         return cast(str, _core.normalised_edit((text, "edit", self._folder, {}, {}), saved))
 
-    def save(self, path: str | os.PathLike[str], *, overwrite: bool = True) -> list[Path]:
-        """Writes the edit file, and meshes in memory beside it as NAME.ply. Returns the files that were written."""
-        file = Path(path)
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool | None = None) -> list[Path]:
+        """Writes the edit file, and meshes in memory beside it as NAME.ply. Returns the files that were written.
+
+        By default an edit file is replaced, and so are the meshes that it names; any other mesh is not. With `overwrite`,
+        all are replaced, or none.
+        """
+        file = Path(_arrays.path(path, "path"))
         text = self._text(saved=True)
-        if not overwrite and file.exists():
-            raise FileExistsError(f"{file} exists")
-        beside = [file.parent / self._json["inputs"][name]["file"] for name in self._meshes]
-        if file in beside:
+        beside = {name: file.parent / self._json["inputs"][name]["file"] for name in self._meshes}
+        if file in beside.values():
             raise ValueError(f"path: {file} is the file of a mesh of the edit")
-        for mesh, where in zip(self._meshes.values(), beside):
-            write(mesh, where, overwrite=overwrite)
+        own = _inputs_of(file) if overwrite is None else ()
+        for name, where in {"": file, **beside}.items():
+            if where.exists() and not (overwrite or (overwrite is None and (where == file or where.name in own))):
+                raise FileExistsError(f"{where} exists. Give overwrite=True to replace it"
+                                      + (f", or name the input '{name}' differently." if name else "."))
+        for name, where in beside.items():
+            write(self._meshes[name], where)
         moved = with_files(json.loads(text), self._meshes,
                            lambda path: os.path.relpath(Path(self._folder) / path, file.parent))
         file.write_text(json.dumps(moved, ensure_ascii=False, indent=2) + "\n", encoding="utf-8")
-        return [file, *beside]
+        return [file, *beside.values()]
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Edit:
         """Reads an edit file of version 1 or 2."""
         edit = cls()
         edit._json = json.loads(_core.read_edit(os.fspath(path)))
-        edit._folder = os.path.dirname(os.fspath(path))
+        edit._folder = os.path.dirname(os.path.abspath(path))
         return edit
 
     def _copy(self) -> Edit:
@@ -217,7 +228,8 @@ class Edit:
                      for method, result, failure in outcomes)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Edit) and self.steps == other.steps and self.to_json() == other.to_json()
+        return (isinstance(other, Edit) and self.steps == other.steps and self.to_json() == other.to_json()
+                and all(_is_same(mesh, other._meshes.get(name)) for name, mesh in self._meshes.items()))
 
     __hash__ = None  # type: ignore[assignment]  # edits change
 
@@ -245,6 +257,21 @@ def with_files(edit: dict[str, Any], but: Collection[str], change: Callable[[str
     selections = {name: changed(entry) for name, entry in edit.get("selections", {}).items()}
     return {**edit, "inputs": inputs, **({"selections": selections} if "selections" in edit else {}),
             "steps": changed(edit["steps"])}
+
+
+def _inputs_of(file: Path) -> Collection[str]:
+    """Returns the files that an edit file names as its inputs; none if it cannot be read."""
+    try:
+        inputs = json.loads(file.read_text(encoding="utf-8"))["inputs"]
+        return {entry["file"] for entry in inputs.values() if "file" in entry}
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        return ()
+
+
+def _is_same(mesh: Mesh, other: Mesh | None) -> bool:
+    return other is mesh or (
+        other is not None and np.array_equal(mesh.vertices, other.vertices)
+        and all(map(np.array_equal, mesh._core.polygons(), other._core.polygons())))
 
 
 def _result(parts: Any) -> EditResult:

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, Literal, TypeAlias, TypeVar, cast
 
-from meshgraft import _core
+from meshgraft import _arrays, _core
 from meshgraft._adapters import adapt
 from meshgraft._edit import Edit, with_files
 from meshgraft._facts import Error, InputError
@@ -273,9 +273,8 @@ def edit(mesh: M | None = None, edit: Edit | None = None, *, parts: Mapping[str,
     wait. The editor is the program `meshgraft edit`, for this machine's user alone.
 
     `mesh`: a mesh of any kind, or the path of a file. `edit`: an Edit to go on with; `mesh` replaces its first input.
-    `parts`: further meshes by name, to graft. `name`: that of the mesh in the edit, by default "mesh" or the
-    stem of the file. `show`: in a "cell", a "tab", or
-    "none" to open `url` by other means. `folders`: folders of this machine in which the editor may read and write.
+    `parts`: further meshes by name, to graft. `name`: that of the mesh in the edit, by default "mesh" or the stem of
+    the file. `show`: in a "cell", a "tab", or "none" to open `url` by other means. `folders`: folders of this machine in which the editor may read and write.
 
     For notebooks: `origin` is the address of the notebook's server as the browser sees it (http://HOST:PORT; found by
     itself where the server runs on this machine), and the only one whose pages may frame the editor. `proxy`: reach the
@@ -288,7 +287,9 @@ def edit(mesh: M | None = None, edit: Edit | None = None, *, parts: Mapping[str,
         raise ValueError(f"show: '{show}' is none of 'cell', 'tab', 'none'")
     if show == "cell" and here is None:
         raise ValueError("show: this is no notebook")
-    options = {"name": name, "folders": [os.fspath(folder) for folder in folders], "port": port,
+    if isinstance(folders, (str, os.PathLike)):
+        folders = [folders]
+    options = {"name": name, "folders": [_arrays.path(folder, "folders") for folder in folders], "port": port,
                "origins": here.origins if here else [] if origin is None else [origin] if isinstance(origin, str) else origin}
     editing: Editing[M] = Editing(mesh, edit, parts or {}, options)
     try:

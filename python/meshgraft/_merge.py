@@ -67,7 +67,7 @@ def _vertex(value: Any, name: str) -> Any:
 def _matches(pairs: Sequence[tuple[Any, Any]] | None, name: str) -> list[list[Any]]:
     """Reads pairs (target vertex, source vertex); edit files have them the other way round."""
     return [[_vertex(source, f"{name}[{i}][1]"), _vertex(target, f"{name}[{i}][0]")]
-            for i, (target, source) in enumerate(pairs or ())]
+            for i, (target, source) in enumerate(() if pairs is None else pairs)]
 
 
 def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], arguments: Mapping[str, Any]) -> dict[str, Any]:
@@ -82,9 +82,9 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
         step["pairs"] = [{"source_loop": _loop(pair[1], f"pairs[{i}][1]", source_size),
                           "target_loop": _loop(pair[0], f"pairs[{i}][0]", target_size)}
                          for i, pair in enumerate(a["pairs"])]
-    if a.get("matches"):
+    if a.get("matches") is not None and len(a["matches"]):
         step["matches"] = _matches(a["matches"], "matches")
-    if a.get("align"):
+    if a.get("align") is not None and len(a["align"]):
         step["align"] = _matches(a["align"], "align")
     if "mirror" in a:
         step["mirror"] = _arrays.plane(a["mirror"], "mirror")
@@ -104,6 +104,7 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
         if "source_loop" in a:
             step["at"]["source_loop"] = _loop(a["source_loop"], "source_loop", source_size)
     if a.get("settings"):
+        _texts.require_known(a["settings"], MergeKeywords.__annotations__)
         step["settings"] = dict(a["settings"])
     return step
 

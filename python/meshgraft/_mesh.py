@@ -282,7 +282,7 @@ def read(path: str | os.PathLike[str], *, threads: int = 0, memory: int | None =
          progress: Progress = None) -> Mesh:
     """Reads a mesh from a PLY, OBJ, OFF, STL, glTF or 3MF file. `memory`: the most bytes that it may take."""
     with calling(threads, memory, progress) as call:
-        return Mesh._wrap(_core.read(os.fspath(path), call))
+        return Mesh._wrap(_core.read(_arrays.path(path, "path"), call))
 
 
 @documented("write_mesh")
@@ -300,13 +300,15 @@ def write(mesh: Any, path: str | os.PathLike[str], *, overwrite: bool = True, mo
     if (morph_target is None) != (positions is None):
         raise ValueError("morph_target and rest go together")
     with calling(progress=progress) as call:
-        return cast(WriteResult, _core.write(own._core, os.fspath(path), overwrite, morph_target, positions, call))
+        return cast(WriteResult, _core.write(own._core, _arrays.path(path, "path"), overwrite, morph_target, positions, call))
 
 
 @documented("make_sample")
 def sample(name: str, resolution: int = 0) -> Mesh:
     """Returns a built-in model of about resolution² vertices; 0: its default."""
-    return cast(Mesh, _core.sample(name, resolution, DEFAULT))
+    if not isinstance(name, str):
+        raise TypeError(f"name: expected the name of a built-in model, not {type(name).__name__}")
+    return cast(Mesh, _core.sample(name, _arrays.whole(resolution, "resolution", 2**31 - 1), DEFAULT))
 
 
 def samples() -> tuple[SampleInfo, ...]:

@@ -53,7 +53,7 @@ def picture(*meshes: Any, colours: Sequence[ArrayLike | None] | None = None, bes
         boxes = np.array([mesh.bounds for mesh in own])
         bounds = np.array([np.nanmin(boxes[:, 0], axis=0), np.nanmax(boxes[:, 1], axis=0)])
     box = None if bounds is None else _arrays.points(bounds, "bounds", rows=2)
-    options = dict(width=width, height=height, samples=samples, occlusion_rays=occlusion_rays, smooth=smooth,
+    options = dict(width=_arrays.whole(width, "width", 2**15), height=_arrays.whole(height, "height", 2**15), samples=samples, occlusion_rays=occlusion_rays, smooth=smooth,
                    crease_angle_deg=float(crease_angle_deg), wireframe=wireframe, ground=ground,
                    field_of_view_deg=float(field_of_view_deg), look_from=_arrays.direction(look_from, "look_from"),
                    up=_arrays.direction(up, "up"), low=None if box is None else box[0].copy(),

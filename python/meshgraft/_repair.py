@@ -9,11 +9,12 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from meshgraft import _arrays, _core, _texts
+from meshgraft import _arrays, _core
 from meshgraft._adapters import adapt, vertices_of
 from meshgraft._calls import Progress, calling
 from meshgraft._docs_of import documented
 from meshgraft._records import CutKeywords, CutResult, Diagnostics, Quality, RepairKeywords, RepairResult
+from meshgraft.select import Selection
 
 if sys.version_info >= (3, 11):
     from typing import Unpack
@@ -59,8 +60,7 @@ def cut(mesh: Any, *, plane: Any = None, loop: Any = None, values: ArrayLike | N
             spec = _arrays.plane(plane, "plane")
             result = _core.cut_by_plane(own._core, np.array(spec["point"]), np.array(spec["normal"]), dict(options), call)
         elif loop is not None:
-            spec = _texts.spec_of(loop, "loop", len(own))
-            vertices = loop(own) if callable(loop) else spec["indices"]
+            vertices = loop(own) if isinstance(loop, Selection) else _arrays.indices(loop, "loop", len(own))
             result = _core.cut_along_loop(own._core, vertices, dict(options), call)
         else:
             numbers = _arrays.numbers(cast(ArrayLike, values), "values", count=len(own))

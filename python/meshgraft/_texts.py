@@ -89,6 +89,13 @@ def edit_of_step(step: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, A
             "steps": [dict(step)]}
 
 
+def require_known(settings: Collection[str], known: Collection[str]) -> None:
+    """Raises a TypeError for a keyword that is no setting."""
+    for keyword in settings:
+        if keyword not in known:
+            raise TypeError(f"unexpected keyword argument {keyword!r}; the settings are {', '.join(sorted(known))}")
+
+
 def without_none(**fields: Any) -> dict[str, Any]:
     """Returns the fields that are given."""
     return {name: value for name, value in fields.items() if value is not None}

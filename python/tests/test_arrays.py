@@ -160,3 +160,27 @@ def test_arrays_that_change_afterwards_do_not_change_an_edit(bar):
 def test_notes_are_warnings(bar, ends):
     with pytest.warns(mg.NoteWarning, match="proxy"):
         mg.deform(bar, handles=ends, poses={"top": mg.Pose((0.1, 0, 0))}, memory=1)
+
+
+@pytest.mark.parametrize(("call", "error", "says"), [
+    (lambda mesh: mg.sample("octopus", 40.5), ValueError, "resolution: expected a whole number"),
+    (lambda mesh: mg.sample(None), TypeError, "name: expected the name of a built-in model"),
+    (lambda mesh: mg.read(b"a.ply"), TypeError, "path: expected a path"),
+    (lambda mesh: mg.write(mesh, 3), TypeError, "path: expected a path"),
+    (lambda mesh: mg.cut(mesh, loop="abc"), ValueError, "loop: expected"),
+    (lambda mesh: mg.picture(mesh, width=90.5), ValueError, "width: expected a whole number"),
+    (lambda mesh: mg.merge(mesh, mesh, no_setting=1), TypeError, "unexpected keyword argument 'no_setting'"),
+    (lambda mesh: mg.deform(mesh, handles={"h": [5]}, fixed=np.zeros(len(mesh), np.uint8)), ValueError, "mask"),
+    (lambda mesh: mg.merge(mesh, mesh, matches=np.array([[1, 2.5]])), ValueError, r"matches\[0\]\[1\]"),
+    (lambda mesh: mg.edit(mesh, folders=[3], show="none"), TypeError, "folders: expected a path"),
+])
+def test_a_strange_argument_is_named(call, error, says):
+    with pytest.raises(error, match=says):
+        call(mg.sample("bumpy_plane", 12))
+
+
+def test_a_tolerance_of_symmetry_may_be_whole():
+    mesh = mg.sample("bumpy_plane", 12)
+    with pytest.raises(mg.Error):  # a bumpy plane has no partners within less
+        mg.deform(mesh, handles={"h": [5]}, symmetry=("x", 0))
+    mg.deform(mesh, handles={"h": [5]}, symmetry=("x", 1))

@@ -274,3 +274,35 @@ def test_vertices_by_number_are_whole_and_within_the_region(bar, ends):
     region = bar.vertices[:, 2] > 2
     with pytest.raises(mg.InputError, match="outside the region"):
         mg.VertexDeformer(bar, region, targets=[int(np.argmin(bar.vertices[:, 2]))])
+
+
+def test_an_edit_keeps_its_files_wherever_the_process_goes(bar, tmp_path, monkeypatch):
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    mg.write(bar, tmp_path / "meshes" / "bar.ply")
+    monkeypatch.chdir(tmp_path / "meshes")
+    edit = mg.Edit().input("bar", "bar.ply").cut("bar", plane=((0, 0, 2), "z"))
+    edit.save("edit.json")
+    loaded = mg.Edit.load("edit.json")
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    for one in (edit, loaded):
+        one.run()
+        one.input("second", "../meshes/bar.ply").run()
+    edit.save("edit.json")
+    mg.Edit.load("edit.json").run()
+
+
+def test_a_save_replaces_no_mesh_of_others(bar, tmp_path):
+    mg.write(mg.sample("torus", 8), tmp_path / "bar.ply")
+    edit = edit_of(bar)
+    with pytest.raises(FileExistsError, match="bar.ply exists.*overwrite=True"):
+        edit.save(tmp_path / "edit.json")
+    assert not (tmp_path / "edit.json").exists() and len(mg.read(tmp_path / "bar.ply")) != len(bar)
+    edit.save(tmp_path / "edit.json", overwrite=True)
+    edit.save(tmp_path / "edit.json")  # its own
+    assert len(mg.read(tmp_path / "bar.ply")) == len(bar)
+
+
+def test_edits_with_other_meshes_are_not_equal(bar):
+    assert edit_of(bar) == edit_of(bar) == edit_of(bar.with_vertices(bar.vertices))
+    assert edit_of(bar) != edit_of(bar.with_vertices(2 * bar.vertices))
