@@ -58,10 +58,10 @@ std::vector<StandardTest> read_tests(const std::filesystem::path& folder) {
     test.edit.positions = mesh.positions;
     test.edit.triangles = triangulate(mesh).triangles;
     const auto count = static_cast<Index>(test.edit.positions.rows());
-    const SelFile parts = parse_sel(read_file(folder / (name + ".sel")), count, name + ".sel");
+    const SelRoles parts = parse_sel(read_file(folder / (name + ".sel")), count, Location::file(name + ".sel"));
     test.edit.fixed = parts.fixed;
     test.edit.handle = parts.handle;
-    test.edit.pose.matrix() = parse_def(read_file(folder / (name + ".def")), name + ".def");
+    test.edit.pose.matrix() = parse_def(read_file(folder / (name + ".def")), Location::file(name + ".def"));
     tests.push_back(std::move(test));
   }
   return tests;
