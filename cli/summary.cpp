@@ -14,6 +14,9 @@ namespace {
 void print_deform(const StepReport& step, const std::string& name) {
   fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
              name, step.counts.free, step.counts.handle, step.counts.fixed, step.max_displacement);
+  if (step.refined_vertices > 0)
+    fmt::print("  {}edges near handles were halved for the solve, which had {} more vertices\n", name,
+               step.refined_vertices);
   if (step.counts.fixed == 0 && step.counts.free + step.counts.handle == step.counts.vertices)
     fmt::print("  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
                name);

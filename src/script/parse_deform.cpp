@@ -210,8 +210,10 @@ DeformSettings parse_settings(const Value& value) {
   settings.preset = parse_preset(fields);
   settings.deformer =
       parse_deformer(fields, settings.preset ? DeformerOptions::as_published() : DeformerOptions{});
+  if (settings.preset) settings.refine_boundary = 0;
   fields.optional("refine_boundary", [&](const Value& v) {
-    settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
+    settings.refine_boundary.reset();
+    if (v.raw() != "auto") settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
   });
   fields.optional("proxy",
                   [&](const Value& v) { settings.proxy = static_cast<Index>(v.integer_in(0, max_proxy)); });
@@ -276,6 +278,7 @@ EditFile parse_deform_version_1(const Value& root) {
   DeformStep step;
   step.mesh = input.name;
   step.settings.deformer.method = DeformMethod::ft05;
+  step.settings.refine_boundary = 0;
   const Value roi = fields.required("roi");
   if (roi.is_string()) {
     if (roi.string() != "all") roi.fail_type(facts::script::Type::indices_or_all);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <numeric>
 #include <utility>
-
-#include <meshgraft/mesh/topology.h>
+#include <vector>
 
 #include "mesh/refine.h"
 
@@ -14,9 +16,17 @@ namespace meshgraft {
 namespace {
 
 constexpr int neighbourhood_rings = 2;
+constexpr int automatic_levels = 2;
 
 // The holder of a vertex: the index of a handle, or one of these.
 constexpr int outside = -4, nobody = -3, fixed = -2, constrained = -1;
+
+// The vertices of a problem, as far as refinement depends on them.
+struct BoundaryRoles {
+  std::vector<int> holder;
+  Flags refines;  ///< held vertices, around which the mesh is refined
+  bool curves_stay = false;
+};
 
 std::vector<int> holders(const ResolvedProblem& problem) {
   const Region& region = problem.deform.region;
@@ -29,19 +39,144 @@ std::vector<int> holders(const ResolvedProblem& problem) {
   return holder;
 }
 
-// Returns the vertices around each held vertex that has a free neighbour.
-std::vector<Index> boundary_neighbourhood(const std::vector<int>& holder, const IndexLists& rings) {
-  std::vector<Index> seeds;
-  for (Index v = 0; v < rings.size(); ++v) {
-    const auto ring = rings[v];
-    const bool held = holder[v] != nobody;
-    if (held && std::any_of(ring.begin(), ring.end(), [&](Index w) { return holder[w] == nobody; }))
-      seeds.push_back(v);
-  }
-  return grow_rings(seeds, neighbourhood_rings, rings);
+bool is_curve(const ResolvedProblem& problem, int holder) {
+  return holder >= 0 && problem.deform.region.handles[holder].shape == HandleShape::curve;
 }
 
-bool stays(int holder) { return holder == fixed || holder == outside; }
+// Calls `visit` with the corners of each triangle that joins free vertices with others.
+template <class Visit>
+void for_each_border_triangle(const Triangles& triangles, const std::vector<int>& holder, const Visit& visit) {
+  for (Index t = 0; t < triangles.rows(); ++t) {
+    const std::array<Index, 3> corners{triangles(t, 0), triangles(t, 1), triangles(t, 2)};
+    const int free =
+        (holder[corners[0]] == nobody) + (holder[corners[1]] == nobody) + (holder[corners[2]] == nobody);
+    if (free == 1 || free == 2) visit(corners);
+  }
+}
+
+// Returns the vertices that all handles but curves, and the constraints, hold.
+std::vector<Index> held_vertices(const ResolvedProblem& problem) {
+  std::vector<Index> held;
+  for (const VertexConstraint& constraint : problem.deform.constraints) held.push_back(constraint.vertex);
+  for (const Handle& handle : problem.deform.region.handles)
+    if (handle.shape != HandleShape::curve)
+      held.insert(held.end(), handle.vertices.begin(), handle.vertices.end());
+  return held;
+}
+
+// Returns the vertices of the pieces in which each vertex has a free neighbour.
+std::vector<Index> sparse_vertices(const ResolvedProblem& problem, const std::vector<int>& holder) {
+  std::vector<Index> held = held_vertices(problem);
+  Flags is_rim(holder.size(), 0);
+  for_each_border_triangle(problem.triangles, holder, [&](const std::array<Index, 3>& corners) {
+    for (const Index v : corners) is_rim[v] = 1;
+  });
+  if (std::none_of(held.begin(), held.end(), [&](Index v) { return is_rim[v] != 0; })) return {};
+
+  std::vector<Index> parent(holder.size());
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (Index t = 0; t < problem.triangles.rows(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const Index a = problem.triangles(t, c), b = problem.triangles(t, (c + 1) % 3);
+      if (holder[a] >= constrained && holder[a] == holder[b]) parent[root(a)] = root(b);
+    }
+  Flags has_interior(holder.size(), 0);
+  for (const Index v : held)
+    if (!is_rim[v]) has_interior[root(v)] = 1;
+  std::erase_if(held, [&](Index v) { return has_interior[root(v)] != 0; });
+  return held;
+}
+
+// Returns whether refining around so many vertices adds few unknowns.
+bool is_few(std::size_t sparse, const std::vector<int>& holder) {
+  constexpr std::ptrdiff_t few = 8, free_per_sparse = 100;
+  const std::ptrdiff_t free = std::count(holder.begin(), holder.end(), nobody);
+  return static_cast<std::ptrdiff_t>(sparse) <= std::max(few, free / free_per_sparse);
+}
+
+// Returns, per vertex, whether it is within some rings of a held vertex that has a free neighbour and around
+// which the mesh is refined.
+Flags boundary_neighbourhood(const Triangles& triangles, const BoundaryRoles& roles) {
+  constexpr std::uint8_t far = neighbourhood_rings + 1;
+  std::vector<std::uint8_t> ring(roles.holder.size(), far);
+  for_each_border_triangle(triangles, roles.holder, [&](const std::array<Index, 3>& corners) {
+    for (const Index v : corners)
+      if (roles.refines[v]) ring[v] = 0;
+  });
+  for (std::uint8_t r = 0; r < neighbourhood_rings; ++r)
+    for (Index t = 0; t < triangles.rows(); ++t) {
+      std::uint8_t* corners[] = {&ring[triangles(t, 0)], &ring[triangles(t, 1)], &ring[triangles(t, 2)]};
+      if (*corners[0] > r && *corners[1] > r && *corners[2] > r) continue;
+      for (std::uint8_t* corner : corners) *corner = std::min<std::uint8_t>(*corner, r + 1);
+    }
+  Flags near(ring.size(), 0);
+  for (std::size_t v = 0; v < ring.size(); ++v) near[v] = ring[v] < far;
+  return near;
+}
+
+// The triangles that have split edges, and their pieces, as a mesh of their own.
+struct LocalRefinement {
+  std::vector<Index> triangles, vertices;  ///< those of the whole mesh, ascending
+  RefineResult refined;
+};
+
+// Splits the edges within the neighbourhood of the held vertices around which the mesh is refined.
+LocalRefinement split_locally(const ResolvedProblem& problem, const BoundaryRoles& roles,
+                              const Context& context) {
+  LocalRefinement split;
+  const Flags near = boundary_neighbourhood(problem.triangles, roles);
+  std::vector<Index> local(near.size(), -1);
+  for (Index t = 0; t < problem.triangles.rows(); ++t) {
+    const Index a = problem.triangles(t, 0), b = problem.triangles(t, 1), c = problem.triangles(t, 2);
+    if (near[a] + near[b] + near[c] < 2) continue;
+    split.triangles.push_back(t);
+    for (const Index v : {a, b, c}) local[v] = 0;
+  }
+  for (std::size_t v = 0; v < local.size(); ++v)
+    if (local[v] == 0) {
+      local[v] = static_cast<Index>(split.vertices.size());
+      split.vertices.push_back(static_cast<Index>(v));
+    }
+  Triangles triangles = problem.triangles(split.triangles, Eigen::all);
+  for (Index& v : triangles.reshaped()) v = local[v];
+
+  const auto is_split = [&](Index low, Index high) {
+    const Index a = split.vertices[low], b = split.vertices[high];
+    const bool on_curve = roles.holder[a] == roles.holder[b] && is_curve(problem, roles.holder[a]);
+    return near[a] && near[b] && !(roles.curves_stay && on_curve);
+  };
+  split.refined =
+      split_edges(make_mesh(problem.rest(split.vertices, Eigen::all), triangles), is_split, context);
+  return split;
+}
+
+// Returns the triangles with each split one replaced by its pieces. New vertices follow `old_count` others.
+Triangles with_pieces(const Triangles& triangles, const LocalRefinement& split, Index old_count) {
+  const Faces& pieces = split.refined.mesh.faces;
+  const auto known = static_cast<Index>(split.vertices.size());
+  Triangles result(triangles.rows() + pieces.size() - static_cast<Index>(split.triangles.size()), 3);
+  Index row = 0, next = 0, piece = 0;
+  const auto copy_up_to = [&](Index end) {
+    result.middleRows(row, end - next) = triangles.middleRows(next, end - next);
+    row += end - next;
+    next = end;
+  };
+  for (Index k = 0; k < static_cast<Index>(split.triangles.size()); ++k) {
+    copy_up_to(split.triangles[k]);
+    ++next;
+    for (; piece < pieces.size() && split.refined.face_parent[piece] == k; ++piece, ++row)
+      for (int c = 0; c < 3; ++c) {
+        const Index v = pieces[piece][c];
+        result(row, c) = v < known ? split.vertices[v] : old_count + v - known;
+      }
+  }
+  copy_up_to(static_cast<Index>(triangles.rows()));
+  return result;
+}
 
 // Inserts new vertices between consecutive vertices of a curve handle, both into the handle and into its
 // redrawn course.
@@ -69,44 +204,66 @@ void refine_curve(Handle& handle, HandlePose& pose, const std::map<std::array<In
   for (std::size_t i = 0; i < course.size(); ++i) pose.curve->row(static_cast<Eigen::Index>(i)) = course[i];
 }
 
-ResolvedProblem refine_once(ResolvedProblem problem, const Context& context) {
+bool stays(int holder) { return holder == fixed || holder == outside; }
+
+// Returns the holder of a new vertex between two others.
+int holder_between(const ResolvedProblem& problem, int one, int other) {
+  if (one == outside && other == outside) return outside;
+  if (stays(one) && stays(other)) return fixed;
+  const bool same = one == other && one >= 0;
+  return same && problem.deform.region.handles[one].shape == HandleShape::region ? one : nobody;
+}
+
+void refine_once(ResolvedProblem& problem, BoundaryRoles& roles, const Context& context) {
   const auto old_count = static_cast<Index>(problem.rest.rows());
-  const std::vector<int> holder = holders(problem);
-  const IndexLists rings = vertex_rings(old_count, problem.triangles, context);
-  const std::vector<Index> around = boundary_neighbourhood(holder, rings);
-  const RefineResult refined = split_edges_within(make_mesh(problem.rest, problem.triangles), around, context);
-  problem.rest = refined.mesh.positions;
-  problem.triangles = triangulate(refined.mesh, {.skip_out_of_range = true}).triangles;
+  const LocalRefinement split = split_locally(problem, roles, context);
+  const auto added = static_cast<Index>(split.refined.parents.size());
+  problem.triangles = with_pieces(problem.triangles, split, old_count);
+  problem.rest.conservativeResize(old_count + added, 3);
+  problem.rest.bottomRows(added) = split.refined.mesh.positions.bottomRows(added);
 
   Region& region = problem.deform.region;
   std::vector<int> feature(old_count, -1);
   for (std::size_t f = 0; f < region.features.size(); ++f)
     for (const Index v : region.features[f].vertices) feature[v] = static_cast<int>(f);
   std::map<std::array<Index, 2>, Index> middle;
-  for (std::size_t i = 0; i < refined.parents.size(); ++i) {
-    const Index vertex = old_count + static_cast<Index>(i);
-    const auto [a, b] = std::minmax(refined.parents[i][0], refined.parents[i][1]);
+  for (Index i = 0; i < added; ++i) {
+    const Index vertex = old_count + i;
+    const auto [low, high] = split.refined.parents[i];
+    const Index a = split.vertices[low], b = split.vertices[high];
     middle[{a, b}] = vertex;
-    const int one = holder[a], other = holder[b];
-    if (one == outside && other == outside) continue;
+    const int holder = holder_between(problem, roles.holder[a], roles.holder[b]);
+    roles.holder.push_back(holder);
+    roles.refines.push_back(holder != nobody && roles.refines[a] && roles.refines[b]);
+    if (holder == outside) continue;
     if (!region.whole) region.vertices.push_back(vertex);
-    if (stays(one) && stays(other)) region.fixed.push_back(vertex);
-    if (one >= 0 && one == other && region.handles[one].shape == HandleShape::region)
-      region.handles[one].vertices.push_back(vertex);
+    if (holder == fixed) region.fixed.push_back(vertex);
+    if (holder >= 0) region.handles[holder].vertices.push_back(vertex);
     if (feature[a] >= 0 && feature[a] == feature[b]) region.features[feature[a]].vertices.push_back(vertex);
   }
-  for (std::size_t h = 0; h < region.handles.size(); ++h)
+  for (std::size_t h = 0; h < region.handles.size() && !roles.curves_stay; ++h)
     if (region.handles[h].shape == HandleShape::curve)
       refine_curve(region.handles[h], problem.deform.poses[h], middle);
-  return problem;
 }
 
 }  // namespace
 
-ResolvedProblem refine_boundary(ResolvedProblem problem, int levels, const Context& context) {
-  for (int level = 0; level < levels; ++level) {
-    context.step("refine", static_cast<double>(level) / levels);
-    problem = refine_once(std::move(problem), context);
+ResolvedProblem refine_boundary(ResolvedProblem problem, std::optional<int> levels, const Context& context) {
+  if (levels == 0) return problem;
+  BoundaryRoles roles{holders(problem)};
+  if (levels) {
+    for (const int holder : roles.holder) roles.refines.push_back(holder != nobody);
+  } else {
+    const std::vector<Index> sparse = sparse_vertices(problem, roles.holder);
+    if (sparse.empty() || !is_few(sparse.size(), roles.holder)) return problem;
+    roles.curves_stay = true;
+    roles.refines.assign(roles.holder.size(), 0);
+    for (const Index v : sparse) roles.refines[v] = 1;
+  }
+  const int count = levels.value_or(automatic_levels);
+  for (int level = 0; level < count; ++level) {
+    context.step("refine", static_cast<double>(level) / count);
+    refine_once(problem, roles, context);
   }
   return problem;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 
@@ -18,6 +20,11 @@ struct ResolvedProblem {
 /// handles, fixed vertices or constraints (FT05 section 6: sparse boundaries). The old vertices come first
 /// and keep their positions. A new vertex between two vertices of one handle, or between two fixed ones, is
 /// held like them.
-ResolvedProblem refine_boundary(ResolvedProblem problem, int levels, const Context& context);
+///
+/// Without `levels`, the edges are halved twice around sparse handles and constraints. A connected piece of a
+/// handle, or of the constrained vertices, is sparse if each of its vertices has a free neighbour. Curves are
+/// never refined. The mesh does not change if the sparse vertices are more than 8 and more than a hundredth
+/// of the free ones.
+ResolvedProblem refine_boundary(ResolvedProblem problem, std::optional<int> levels, const Context& context);
 
 }  // namespace meshgraft

@@ -176,7 +176,7 @@ void add_cut(Json& json, const CutOutcome& cut) {
 Json settings_in_force(const StepReport& step) {
   if (std::holds_alternative<DeformMethod>(step.method)) return settings_json(step.settings);
   return {{"backend", name_of(step.settings.deformer.backend)},
-          {"refine_boundary", step.settings.refine_boundary},
+          {"refine_boundary", step.settings.refine_boundary.value_or(0)},
           {"weld", step.settings.weld}};
 }
 
@@ -204,6 +204,7 @@ Json deform_json(const StepReport& step, const Wording& wording) {
   json["iterations"] = step.evaluation ? Json(step.evaluation->iterations) : Json(nullptr);
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
   json["proxy"] = proxy_json(step.proxy);
+  json["refined_vertices"] = step.refined_vertices;
   json["symmetry"] = symmetry_json(step);
   json["notes"] = to_json(step.notes, wording);
   return json;

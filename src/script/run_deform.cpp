@@ -279,6 +279,7 @@ DeformSettings effective_settings(DeformSettings settings, const SettingsOverrid
   if (overrides.preset) {
     settings.preset = overrides.preset;
     settings.proxy = 0;
+    settings.refine_boundary = settings.refine_boundary.value_or(0);
   }
   settings.proxy = overrides.proxy.value_or(settings.proxy);
   return settings;
@@ -346,7 +347,11 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());
   report.counts.handle =
       count_handle_vertices(problem.deform.region) + static_cast<Index>(problem.deform.constraints.size());
-  problem = refine_boundary(std::move(problem), report.settings.refine_boundary, context);
+  const bool is_own = std::holds_alternative<DeformMethod>(report.method);
+  std::optional<int> levels = report.settings.refine_boundary;
+  if (!is_own || report.settings.proxy > 0) levels = levels.value_or(0);
+  problem = refine_boundary(std::move(problem), levels, context);
+  report.refined_vertices = static_cast<Index>(problem.rest.rows()) - state.mesh.vertex_count();
   report.seconds.select += watch.lap();
 
   Solution solution;

@@ -313,7 +313,7 @@ std::string shape_word(MergeShape shape) { return shape == MergeShape::ft05 ? "f
 
 Json settings_json(const DeformSettings& settings) {
   Json json = deformer_json(settings.preset, settings.deformer);
-  json["refine_boundary"] = settings.refine_boundary;
+  json["refine_boundary"] = settings.refine_boundary ? Json(*settings.refine_boundary) : Json("auto");
   json["proxy"] = settings.proxy;
   json["weld"] = settings.weld;
   return json;

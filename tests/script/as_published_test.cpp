@@ -53,6 +53,10 @@ TEST(AsPublishedEdit, HasThePapersSettings) {
   EXPECT_EQ(settings["degenerate"], "ft05-noise");
   EXPECT_EQ(settings["noise_lengths"], "random");
   EXPECT_EQ(settings["laplacian_weight"], 1);
+  EXPECT_EQ(settings["refine_boundary"], 0);
+  EXPECT_EQ(written_settings(
+                bend_with(R"({"preset": "as-published", "refine_boundary": "auto"})"))["refine_boundary"],
+            "auto");
   const EditFile merge = graft_with(R"({"preset": "as-published"})");
   const nlohmann::json seam = written_settings(merge);
   EXPECT_EQ(seam["preset"], "as-published");

@@ -94,7 +94,7 @@ TEST(EditFile, AppliesTheDocumentedDefaults) {
   const DeformStep& step = first_step(edit);
   EXPECT_TRUE(std::holds_alternative<Selection::All>(step.region.kind));
   EXPECT_FALSE(step.fixed.has_value());
-  EXPECT_EQ(step.settings.refine_boundary, 0);
+  EXPECT_EQ(step.settings.refine_boundary, std::nullopt);
   EXPECT_EQ(step.settings.deformer.method, DeformMethod::corotational);
   EXPECT_EQ(step.settings.deformer.stiffness, 60);
   EXPECT_EQ(step.settings.deformer.iterations, 20);
@@ -103,6 +103,12 @@ TEST(EditFile, AppliesTheDocumentedDefaults) {
   EXPECT_EQ(only.shape, HandleShape::region);
   EXPECT_TRUE(only.constrain_position && only.constrain_transform);
   EXPECT_FALSE(std::get<HandleMotion>(only.pose.kind).pivot.has_value());
+}
+
+TEST(EditFile, KeepsAnAutomaticRefinement) {
+  const std::string written = write_edit(parse_edit(file_with_step(handle("")), "edit.json"));
+  EXPECT_NE(written.find(R"("refine_boundary": "auto")"), std::string::npos);
+  EXPECT_EQ(first_step(parse_edit(written, "edit.json")).settings.refine_boundary, std::nullopt);
 }
 
 TEST(EditFile, ReadsVersionOneAsOneStep) {
@@ -118,6 +124,7 @@ TEST(EditFile, ReadsVersionOneAsOneStep) {
   EXPECT_EQ(std::get<Eigen::Matrix4d>(step.handles.at(0).pose.kind)(2, 3), 2);
   EXPECT_EQ(*step.counts.region, 3);
   EXPECT_EQ(step.settings.deformer.method, DeformMethod::ft05);
+  EXPECT_EQ(step.settings.refine_boundary, 0);
   const std::string as_version_2 = write_edit(edit);
   EXPECT_NE(as_version_2.find("\"version\": 2"), std::string::npos);
   EXPECT_EQ(write_edit(parse_edit(as_version_2, "e.json")), as_version_2);

@@ -143,8 +143,9 @@ struct DeformSettings {
   std::optional<Preset> preset;  ///< settings with a name, which the others replace
   DeformerOptions deformer;
   /// Number of times that edges around handles and around the region's fixed boundary are halved for the
-  /// solve (FT05 section 6). The result has the original vertices only.
-  int refine_boundary = 0;
+  /// solve (FT05 section 6). Absent: twice around sparse handles and targets, those without an interior
+  /// vertex; not for published methods and proxies. The result has the original vertices only.
+  std::optional<int> refine_boundary;
   /// Approximate number of vertices of the decimated proxy that is solved in place of the region
   /// (deform/quick_frames.h). 0: the region itself is solved.
   Index proxy = 0;

@@ -114,6 +114,7 @@ struct StepReport {
   /// Absent where the region itself was solved. If present, `solver` and `evaluation` describe the solve on
   /// the proxy.
   std::optional<ProxyReport> proxy;
+  Index refined_vertices = 0;              ///< vertices that `refine_boundary` added for the solve
   std::optional<SymmetryReport> symmetry;  ///< absent if not asked for
   std::vector<std::string> handles;        ///< names; twins follow the step's own handles
   double max_displacement = 0;             ///< model units
