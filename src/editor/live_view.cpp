@@ -28,7 +28,7 @@ Location location_of(const Document& document) {
 
 // Returns whether a live frame of the region, driven by handles alone, shows exactly what the step computes.
 bool is_plain(const DeformStep& step) {
-  return step.targets.empty() && step.transforms.empty() && step.settings.refine_boundary == 0 &&
+  return step.targets.empty() && step.transforms.empty() && step.settings.refine_boundary.value_or(0) == 0 &&
          step.settings.proxy == 0;
 }
 
@@ -117,7 +117,7 @@ bool LiveView::show(const Document& document, Plan plan, const Context& context)
   outcome_.reset();
   std::shared_ptr<const Deformer> earlier;
   if (!goes_on) {
-    if (shown_.live && shares_mesh(plan.key, shown_.key)) earlier = shown_.live->deformer();
+    if (shown_.live && !shown_.refined && shares_mesh(plan.key, shown_.key)) earlier = shown_.live->deformer();
     if (plan.setup && shown_.live && settled() && is_roomy()) park();
     shown_.live.reset();
     if (!plan.setup && !plan.resumes) parked_.reset();
@@ -230,10 +230,18 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   options.deformer = step.settings.deformer;
   options.earlier = std::move(earlier);
   ResolvedProblem& problem = setup.problem;
+  const auto count = static_cast<Index>(problem.rest.rows());
   if (options.deformer.method == DeformMethod::ft05)
     options.normals =
-        vertex_normals(problem.rest, problem.triangles,
-                       vertex_triangles(static_cast<Index>(problem.rest.rows()), problem.triangles));
+        vertex_normals(problem.rest, problem.triangles, vertex_triangles(count, problem.triangles));
+  problem = refine_boundary(std::move(problem), step.settings.refine_boundary, context);
+  const Eigen::Index added = problem.rest.rows() - count;
+  shown_.refined = added > 0;
+  if (shown_.refined) options.earlier.reset();  // it solves on another mesh
+  if (shown_.refined && options.normals.rows() > 0) {
+    options.normals.conservativeResize(problem.rest.rows(), 3);
+    options.normals.bottomRows(added).rowwise() = Eigen::RowVector3d::UnitZ();  // not shown
+  }
   shown_.live = std::make_unique<LiveDeformer>(
       DeformProblem{std::move(problem.rest), std::move(problem.triangles), std::move(problem.deform.region)},
       LiveCallbacks{on_frame, on_failure}, options, context);

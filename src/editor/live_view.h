@@ -123,6 +123,7 @@ class LiveView {
     Origin origin;
     std::int64_t dragged = 0;  ///< number of poses requested until it was parked
     DeformerOptions options;
+    bool refined = false;                ///< whether the solve has more vertices than the mesh
     std::unique_ptr<LiveDeformer> live;  ///< last member: destroyed before what its callbacks use
   };
 

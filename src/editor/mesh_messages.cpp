@@ -200,13 +200,14 @@ std::vector<Index> moving_vertices(const Object& base, const Region& region) {
 std::vector<std::byte> position_frame(const Object& base, const std::vector<Index>& moving,
                                       const LiveFrame& frame) {
   const Points& positions = *frame.positions;
-  const bool all = 4 * moving.size() > 3 * static_cast<std::size_t>(positions.rows());
+  const Index vertices = base.mesh().vertex_count();  // more were solved for where the mesh was refined
+  const bool all = 4 * moving.size() > 3 * static_cast<std::size_t>(vertices);
   Json header = header_of(base);
   header["pose"] = frame.pose;
   header["accuracy"] = to_string(frame.accuracy);
   header["seconds"] = frame.seconds;
   if (frame.error_rel) header["error_rel"] = *frame.error_rel;
-  const auto count = all ? positions.rows() : static_cast<Eigen::Index>(moving.size());
+  const auto count = all ? vertices : static_cast<Eigen::Index>(moving.size());
   Points sent(count, 3);
   for (Eigen::Index i = 0; i < count; ++i)
     sent.row(i) = positions.row(base.weld.of(all ? static_cast<Index>(i) : moving[i]));
@@ -236,10 +237,25 @@ Followers followers_of(const Object& base, const std::vector<Index>& movers) {
   return followers;
 }
 
+// Removes the data of the vertices from `count` on, which were added for the solve.
+void keep_vertices_below(Index count, HandleBuffers& buffers) {
+  std::vector<Index>& vertices = buffers.vertices;
+  vertices.erase(std::lower_bound(vertices.begin(), vertices.end(), count), vertices.end());
+  const auto rows = static_cast<Eigen::Index>(vertices.size());
+  const auto shorten = [&](auto& matrix) {
+    if (matrix.rows() > rows) matrix.conservativeResize(rows, Eigen::NoChange);
+  };
+  shorten(buffers.positions);
+  shorten(buffers.normals);
+  shorten(buffers.maps);
+  shorten(buffers.blocks);
+}
+
 }  // namespace
 
 std::vector<std::byte> weights_frame(const Object& base, const HandleBasis& basis) {
-  const HandleBuffers buffers = basis.buffers();
+  HandleBuffers buffers = basis.buffers();
+  keep_vertices_below(base.mesh().vertex_count(), buffers);
   const Eigen::RowVector3d& c = buffers.centre;
   Json header = {{"mesh", base.id}, {"offset", {c.x(), c.y(), c.z()}}, {"scale", buffers.scale}};
   header["width"] = buffers.blocks.cols();

@@ -96,6 +96,22 @@ TEST(Editor, SendsTheWeightsOfTheLinearMethod) {
   EXPECT_EQ(weights.numbers["blocks"].size(), 16 * weights.indices["vertices"].size());
 }
 
+TEST(Editor, SendsTheWeightsOfTheMeshsVerticesAlone) {
+  const RunningEditor editor({});
+  Page page(editor.url());
+  page.ask({{"do", "open"}, {"sample", "bumpy_plane"}, {"resolution", 25}});
+  page.ask({{"do", "settings"}, {"settings", {{"method", "ft05"}}}});
+  const Json painted = page.ask({{"do", "paint-handle"}, {"vertices", {312}}, {"name", "tip"}, {"reach", 0.3}});
+  Frame weights = page.frame(3);  // of a solve with more vertices, around the handle
+  const std::vector<std::int32_t>& vertices = weights.indices["vertices"];
+  const Json counts = page.ask({{"do", "state"}})["counts"];
+  EXPECT_EQ(vertices.size(), counts["free"].get<std::size_t>() + 1) << painted;
+  EXPECT_LT(*std::max_element(vertices.begin(), vertices.end()), 25 * 25);
+  EXPECT_EQ(weights.numbers["blocks"].size(), 16 * vertices.size());
+  EXPECT_EQ(weights.numbers["positions"].size(), 3 * vertices.size());
+  EXPECT_EQ(weights.numbers["normals"].size(), 3 * vertices.size());
+}
+
 TEST(Editor, SendsWeightsToAllCopiesOfWeldedVertices) {
   const TemporaryFolder folder;
   write_mesh(as_soup(make_sample("bar", 12)), folder / "soup.ply");

@@ -45,6 +45,40 @@ TEST(Editor, ShowsWhatTheSavedFileGives) {
   }
 }
 
+// The mesh is refined around a handle of one vertex, in live frames as in the saved file's run.
+TEST(Editor, ShowsWhatTheSavedFileGivesForASingleVertex) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  const Json lift = {
+      {"tip", {{"translate", {0, 0, 0.15}}, {"rotate", {{"axis", {1, 0, 0}}, {"angle_deg", 20}}}}}};
+  for (const char* method : {"corotational", "rotation-aware", "ft05"}) {
+    Page page(editor.url());
+    page.ask({{"do", "open"}, {"sample", "bumpy_plane"}, {"resolution", 25}});
+    const std::size_t numbers = page.frame(1).numbers["positions"].size();
+    page.ask({{"do", "settings"}, {"settings", {{"method", method}}}});
+    page.ask({{"do", "paint-handle"}, {"vertices", {312}}, {"name", "tip"}, {"reach", 0.3}});
+    const auto expect_same = [&](const std::vector<float>& shown) {
+      EXPECT_EQ(shown.size(), numbers);
+      const std::string file = folder / "tip.json";
+      page.ask({{"do", "save"}, {"edit", file}, {"mesh", (folder / "tip.ply").string()}, {"overwrite", true}});
+      const EditResult expected = run_edit(read_edit_file(file));
+      EXPECT_GT(expected.report.steps.front().refined_vertices, 0);
+      EXPECT_EQ(shown, as_shown(expected.mesh.positions, page.offset())) << method;
+      write_mesh(expected.mesh, folder / "expected.ply");
+      EXPECT_EQ(read_file(folder / "tip.ply"), read_file(folder / "expected.ply")) << method;
+    };
+    page.exact(page.ask({{"do", "drag"}, {"poses", lift}})["pose"]);
+    expect_same(page.exact(page.ask({{"do", "pose"}, {"poses", lift}})["pose"]));
+    page.ask({{"do", "reach"}, {"handle", "tip"}, {"reach", 5}});
+    const Json counts = page.ask({{"do", "state"}})["counts"];
+    EXPECT_GT(4 * (counts["region"].get<int>() - counts["fixed"].get<int>()), 3 * (25 * 25 + 200))
+        << "all positions are sent";
+    expect_same(page.exact(page.ask({{"do", "pose"}, {"poses", lift}})["pose"]));
+    page.ask({{"do", "paint-handle"}, {"vertices", {162}}, {"name", "other"}, {"reach", 0.3}});
+    expect_same(page.exact(page.ask({{"do", "pose"}, {"poses", lift}})["pose"]));
+  }
+}
+
 TEST(Editor, DragsAndEndsWhereItWasDraggedLast) {
   const TemporaryFolder folder;
   const RunningEditor editor({folder.path()});
