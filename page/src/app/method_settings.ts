@@ -103,9 +103,17 @@ export const settingsTable: readonly Setting[] = [
     help: "Boundary vertices at one place move as one. Switch it off where parts that touch shall come apart.",
   },
   {
-    key: "refine_boundary", kind: "number", label: "Refine at handles", group: "surface", more: true, defaultValue: 0, min: 0,
-    max: 4, integer: true,
-    help: "Halves the edges around handles for the solve: smoother there. Each drag is then solved at its end only.",
+    key: "refine_boundary", kind: "choice", label: "Refine at handles", group: "surface", more: true, defaultValue: "auto",
+    choices: [
+      { value: "auto", label: "Automatic" },
+      { value: "0", label: "Off" },
+      { value: "1", label: "Once" },
+      { value: "2", label: "Twice" },
+      { value: "3", label: "3 times" },
+      { value: "4", label: "4 times" },
+    ],
+    help: "Halves the edges around handles for the solve: smoother there. Automatic: around single vertices and other "
+      + "handles without an inside. With a number, each drag is solved at its end only.",
   },
   {
     key: "degenerate", kind: "choice", label: "Flat places", group: "flat", defaultValue: "auto",
@@ -172,7 +180,11 @@ export function numberOf(settings: Settings, { key, defaultValue }: NumberSettin
 }
 export function choiceOf(settings: Settings, { key, defaultValue }: ChoiceSetting): string {
   const value = settings[key];
-  return typeof value === "string" ? value : defaultValue;
+  return typeof value === "string" || typeof value === "number" ? String(value) : defaultValue;
+}
+/** Returns the setting that a choice stands for: a number for digits, otherwise the choice itself. */
+export function settingOf(choice: string): SettingValue {
+  return /^\d+$/.test(choice) ? Number(choice) : choice;
 }
 export function switchOf(settings: Settings, { key, defaultValue }: SwitchSetting): boolean {
   const value = settings[key];

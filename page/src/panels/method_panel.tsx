@@ -9,6 +9,7 @@ import {
   methodOf,
   methods,
   numberOf,
+  settingOf,
   switchOf,
   type Setting,
   type Settings,
@@ -122,7 +123,7 @@ function SettingField({ setting, values, change }: SettingsProps & { setting: Se
           help={help}
           choices={setting.choices}
           value={choiceOf(values, setting)}
-          onChange={(value) => change({ [key]: value })}
+          onChange={(value) => change({ [key]: settingOf(value) })}
         />
       );
     case "switch":

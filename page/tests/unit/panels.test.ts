@@ -4,7 +4,9 @@ import type { Box } from "../../src/app/editor";
 import { handleColour, groupColour } from "../../src/app/colours";
 import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/handle_pose";
 import { liveWords, progressWords } from "../../src/app/live_words";
-import { applicable, changesToDefaults, admissible, settingsTable, type NumberSetting } from "../../src/app/method_settings";
+import {
+  admissible, applicable, changesToDefaults, choiceOf, settingOf, settingsTable, type ChoiceSetting, type NumberSetting,
+} from "../../src/app/method_settings";
 import { axisOfPlane, coordinateOf, planeAcross } from "../../src/app/mirror_plane";
 import { compareNames, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
 import { refusalOf, uploadLimit } from "../../src/app/upload";
@@ -123,6 +125,13 @@ describe("settings of the method", () => {
   });
   test("back to the usual changes what is not usual, and no method", () => {
     expect(changesToDefaults({ method: "ft05", stiffness: 60, density: "ft05" })).toEqual({ density: "aware" });
+  });
+  test("a choice may stand for a number", () => {
+    const refine = settingsTable.find(({ key }) => key === "refine_boundary") as ChoiceSetting;
+    expect([{}, { refine_boundary: "auto" }, { refine_boundary: 2 }].map((settings) => choiceOf(settings, refine)))
+      .toEqual(["auto", "auto", "2"]);
+    expect(refine.choices.map(({ value }) => settingOf(value))).toEqual(["auto", 0, 1, 2, 3, 4]);
+    expect(changesToDefaults({ refine_boundary: 0 })).toEqual({ refine_boundary: "auto" });
   });
   test("a proxy has 50 vertices or is none", () => {
     const proxy = settingsTable.find(({ key }) => key === "proxy") as NumberSetting;
