@@ -99,6 +99,8 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     halves what they would move. `features`: sets of free vertices that keep their shape up to one similarity, or pairs
     (vertices, "affine"). `symmetry`: a plane, (point, normal) or "x" for x = 0; an edit on one side happens on the other,
     too. A pair (plane, tolerance) tells how far a vertex may be from its mirror image, x the diagonal of the bounding box.
+    `refine_boundary`: how often the edges around handles and fixed vertices are halved for the solve, 0 to 4; None:
+    twice around handles and targets without an interior vertex, such as single vertices.
     `proxy`: solve a decimated proxy of about so many vertices. `memory`: bytes that the solve may take. All vertices
     outside the region keep their bits. Coincident vertices of triangle soups move as one. Other deviations from the
     request, such as a proxy that was solved for want of memory, are told as a NoteWarning.
@@ -228,7 +230,8 @@ class Deformer(_Solver[M]):
         d = mg.Deformer(mesh, region=arm, handles={"hand": hand})
         bent = d.evaluate(hand=mg.Pose(rotate=("z", 40), pivot=wrist))
 
-    The arguments are those of `deform`. Several threads may evaluate at once.
+    The arguments are those of `deform`. Several threads may evaluate at once. The mesh is solved as it is: unlike in
+    `deform`, edges around sparse handles are not halved.
     """
 
     def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *, fixed: Any = None,

@@ -41,6 +41,17 @@ def test_handles_are_exactly_at_their_poses_and_nothing_else_outside_moves(bar, 
     assert set(d.free_vertices).isdisjoint(d.fixed) and set(d.fixed) <= set(d.region)
 
 
+def test_deform_refines_around_a_single_vertex_and_a_deformer_does_not():
+    sheet = mg.sample("bumpy_plane", 40)
+    step = {"region": mg.select.sphere((0, 0, 0), 0.4), "handles": {"tip": mg.select.nearest((0, 0, 0))}}
+    poses = {"tip": mg.Pose((0, 0, 0.15))}
+    plain = mg.deform(sheet, **step, poses=poses, refine_boundary=0)
+    refined = mg.deform(sheet, **step, poses=poses)
+    assert mg.Deformer(sheet, **step).positions(poses).tobytes() == plain.vertices.tobytes()
+    bends = [mg.quality(sheet, mesh).dihedral_max_deg for mesh in (refined, plain)]
+    assert bends[0] < 0.7 * bends[1]
+
+
 def test_the_result_does_not_depend_on_threads(bar, ends):
     poses = {"top": bend()}
     one = mg.Deformer(bar, handles=ends, threads=1).positions(poses)
