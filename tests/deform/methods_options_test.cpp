@@ -31,6 +31,27 @@ TEST(Methods, WithNothingTurnedAndNoStiffnessRotationAwareIsLinear) {
   }
 }
 
+TEST(Methods, WhereAllPositionsAreGivenTheyAreKept) {
+  // Positions alone: the transforms are free, but there is nothing to solve.
+  const TestMesh mesh = tube(8, 4);
+  Region region;
+  region.whole = true;
+  Points wanted = mesh.positions;
+  wanted.col(2) *= 2;
+  std::vector<VertexConstraint> constraints;
+  for (Index v = 0; v < mesh.positions.rows(); ++v) {
+    VertexConstraint constraint;
+    constraint.vertex = v;
+    constraint.position = wanted.row(v).transpose();
+    constraints.push_back(constraint);
+  }
+  for (const DeformMethod method :
+       {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
+    const Deformer deformer({mesh.positions, mesh.triangles, region, constraints}, options_of(method));
+    EXPECT_TRUE(same_bytes(deformer.evaluate(constraints), wanted));
+  }
+}
+
 TEST(Methods, NoStepsIsRotationAware) {
   for (const TestMesh& mesh : mesh_families()) {
     SCOPED_TRACE(mesh.name);

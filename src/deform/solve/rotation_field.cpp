@@ -74,6 +74,7 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
 RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints,
                                           const Context& context) const {
   Result result;
+  if (system_.row_count() == 0) return result;  // all positions are given
   Blend blended;
   bool found = blend(constraints, {}, blended, context);
   if (found) {
