@@ -176,7 +176,7 @@ struct CurveFit {
   double misfit = 0;  // half the squared distance of the turned from the redrawn curve, relative to the size
   double width = 0;   // second singular value of the covariance plus the third, which is less where it mirrors
   double narrowness = 0;  // from 0, where the first two singular values are alike, to 1 of a straight curve
-  bool mirrored = false;
+  bool mirrors = false;   // the curves are flat, and the rotation turns over the plane of the first
 };
 
 CurveFit fit_curve(const Points& rest, const Points& redrawn, const Eigen::VectorXd& weights) {
@@ -198,9 +198,8 @@ CurveFit fit_curve(const Points& rest, const Points& redrawn, const Eigen::Vecto
   fit.narrowness = std::max(0.0, 1 - fit.width / sigma[0]);
   constexpr double flat = 0.1;           // a third of the width
   constexpr double within_plane = 1e-3;  // 2.5°
-  constexpr double similar = 0.005;      // the copy is a tenth of its size off
-  fit.mirrored = fit.width >= straight && sigma[2] <= flat * sigma[1] &&
-                 sign * u.col(2).dot(v.col(2)) < within_plane - 1 && fit.misfit < similar;
+  fit.mirrors =
+      fit.width >= straight && sigma[2] <= flat * sigma[1] && sign * u.col(2).dot(v.col(2)) < within_plane - 1;
   return fit;
 }
 
@@ -213,7 +212,9 @@ Eigen::Matrix3d turn_of_curve(const CurveFit& fit, const std::vector<TangentTurn
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < tangents.size(); ++k)
     mean += weights[static_cast<Eigen::Index>(k)] / weights.sum() * tangents[k].smallest();
-  const double share = fit.narrowness * fit.narrowness * fit.misfit + std::max(0.0, straight - fit.width);
+  constexpr double trust = 4;  // in the tangents; an arch over a dip of half its height stands upright
+  const double share =
+      trust * fit.narrowness * fit.narrowness * fit.misfit + std::max(0.0, straight - fit.width);
   return nearest_rotation(fit.covariance + share * mean);
 }
 
@@ -251,8 +252,15 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
 bool is_mirror_image(const Handle& handle, const Points& rest, const Points& redrawn) {
   require_curve(handle, rest);
   require_redrawn(handle, redrawn);
+  if (!handle.constrain_transform) return false;
   const Points curve = rest_curve(handle, rest);
-  return fit_curve(curve, redrawn, vertex_lengths(handle, curve)).mirrored;
+  const Eigen::VectorXd weights = vertex_lengths(handle, curve);
+  const CurveFit fit = fit_curve(curve, redrawn, weights);
+  if (!fit.mirrors) return false;
+  const Points no_normals = Points::Zero(rest.rows(), 3);
+  const std::vector<TangentTurn> tangents = tangent_turns(handle, {rest, no_normals}, curve, redrawn);
+  constexpr double close = 0.5;  // some 20°
+  return (turn_of_curve(fit, tangents, weights) - fit.rotation).norm() < close;
 }
 
 std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
@@ -266,11 +274,13 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Rest
                 location_of(handle));
   const Points curve = rest_curve(handle, rest.points);
   const Eigen::VectorXd weights = vertex_lengths(handle, curve);
-  const std::vector<TangentTurn> tangents = tangent_turns(handle, rest, curve, redrawn);
-  const bool moved_only = centred(curve, weights) == centred(redrawn, weights);
-  const Eigen::Matrix3d turn = moved_only
-                                   ? Eigen::Matrix3d::Identity()
-                                   : turn_of_curve(fit_curve(curve, redrawn, weights), tangents, weights);
+  std::vector<TangentTurn> tangents;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  if (handle.constrain_transform) {
+    tangents = tangent_turns(handle, rest, curve, redrawn);
+    if (centred(curve, weights) != centred(redrawn, weights))
+      turn = turn_of_curve(fit_curve(curve, redrawn, weights), tangents, weights);
+  }
   std::vector<VertexConstraint> constraints;
   for (Eigen::Index k = 0; k < curve.rows(); ++k) {
     VertexConstraint constraint;

@@ -369,6 +369,17 @@ TEST(CurveConstraints, TurnWithTheTangentsWhereTheNewCourseIsNoCopy) {
       const Eigen::Matrix3d middle = *constraints[constraints.size() / 2].transform;
       EXPECT_LT((middle.col(2).normalized() - Eigen::Vector3d::UnitZ()).norm(), 0.25);
     }
+  // An arch of about the height of the dip is its mirror image, and a higher one is not.
+  const RuledCurve valley =
+      ruled("valley", false, [](double u) { return Eigen::Vector3d(u, 0, -0.04 * std::sin(pi * u)); });
+  const auto arch_of = [&](double height) {
+    Points arch = valley.points();
+    for (Eigen::Index k = 0; k < arch.rows(); ++k) arch(k, 2) = height * std::sin(pi * arch(k, 0));
+    return arch;
+  };
+  EXPECT_TRUE(is_mirror_image(valley.handle, valley.mesh.positions, arch_of(0.04)));
+  for (const double height : {0.01, 0.09, 0.2})
+    EXPECT_FALSE(is_mirror_image(valley.handle, valley.mesh.positions, arch_of(height))) << height;
   // A hand never draws an exact copy; what it turns by is still seen.
   const RuledCurve bow = arc(0.1);
   for (const double angle : {0.5, 1.5, 2.5}) {
