@@ -240,7 +240,7 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   if (shown_.refined) options.earlier.reset();  // it solves on another mesh
   if (shown_.refined && options.normals.rows() > 0) {
     options.normals.conservativeResize(problem.rest.rows(), 3);
-    options.normals.bottomRows(added).rowwise() = Eigen::RowVector3d::UnitZ();  // not shown
+    options.normals.bottomRows(added).rowwise() = Eigen::RowVector3d(0, 0, 1);  // not shown
   }
   shown_.live = std::make_unique<LiveDeformer>(
       DeformProblem{std::move(problem.rest), std::move(problem.triangles), std::move(problem.deform.region)},

@@ -18,6 +18,7 @@
 #include "json_value.h"
 #include "parse_parts.h"
 #include "script/facts.h"
+#include "settings_json.h"
 
 namespace meshgraft {
 
@@ -62,12 +63,28 @@ MadeWith parse_made_with(const Value& value) {
           static_cast<int>(fields.required("methods").integer_in(1, std::numeric_limits<int>::max()))};
 }
 
-// Returns whether the result of a step is that of FT05 as written, or does not depend on the methods.
+// Returns whether a step has the settings of FT05 as written, but for its seed, backend and welding, or none.
 bool is_as_published(const EditStep& step) {
-  if (const auto* deform = std::get_if<DeformStep>(&step.action))
-    return deform->settings.preset && deform->settings.deformer.method == DeformMethod::ft05;
-  if (const auto* merge = std::get_if<MergeStep>(&step.action))
-    return merge->settings.preset && merge->shape == MergeShape::ft05;
+  const auto published = [](const DeformerOptions& given) {
+    DeformerOptions options = DeformerOptions::as_published();
+    options.backend = given.backend;
+    options.operators.seed = given.operators.seed;
+    return options;
+  };
+  if (const auto* deform = std::get_if<DeformStep>(&step.action)) {
+    DeformSettings settings = deform->settings;
+    settings.deformer = published(settings.deformer);
+    settings.refine_boundary = 0;
+    settings.proxy = 0;
+    return settings.preset && settings_json(settings) == settings_json(deform->settings);
+  }
+  if (const auto* merge = std::get_if<MergeStep>(&step.action)) {
+    MergeSettings settings = merge->settings;
+    settings.deformer = published(settings.deformer);
+    settings.seam = MergeOptions::as_published().seam;
+    return settings.preset && merge->shape == MergeShape::ft05 &&
+           settings_json(settings) == settings_json(merge->settings);
+  }
   return true;
 }
 

@@ -64,8 +64,8 @@ std::vector<Index> held_vertices(const ResolvedProblem& problem) {
   return held;
 }
 
-// Returns the vertices of the pieces in which each vertex has a free neighbour.
-std::vector<Index> sparse_vertices(const ResolvedProblem& problem, const std::vector<int>& holder) {
+// Returns the pieces in which each vertex has a free neighbour, as lists of vertices.
+std::vector<std::vector<Index>> sparse_pieces(const ResolvedProblem& problem, const std::vector<int>& holder) {
   std::vector<Index> held = held_vertices(problem);
   Flags is_rim(holder.size(), 0);
   for_each_border_triangle(problem.triangles, holder, [&](const std::array<Index, 3>& corners) {
@@ -87,15 +87,31 @@ std::vector<Index> sparse_vertices(const ResolvedProblem& problem, const std::ve
   Flags has_interior(holder.size(), 0);
   for (const Index v : held)
     if (!is_rim[v]) has_interior[root(v)] = 1;
-  std::erase_if(held, [&](Index v) { return has_interior[root(v)] != 0; });
-  return held;
+  std::map<Index, std::vector<Index>> pieces;
+  for (const Index v : held)
+    if (!has_interior[root(v)]) pieces[root(v)].push_back(v);
+  std::vector<std::vector<Index>> sparse;
+  for (auto& [_, piece] : pieces) sparse.push_back(std::move(piece));
+  return sparse;
 }
 
-// Returns whether refining around so many vertices adds few unknowns.
-bool is_few(std::size_t sparse, const std::vector<int>& holder) {
+// Returns the vertices of the smallest pieces, as long as they are few, so that refining around them adds few
+// unknowns.
+std::vector<Index> few_vertices(std::vector<std::vector<Index>> pieces, const std::vector<int>& holder) {
   constexpr std::ptrdiff_t few = 8, free_per_sparse = 100;
   const std::ptrdiff_t free = std::count(holder.begin(), holder.end(), nobody);
-  return static_cast<std::ptrdiff_t>(sparse) <= std::max(few, free / free_per_sparse);
+  const auto most = static_cast<std::size_t>(std::max(few, free / free_per_sparse));
+  const auto size = [](const std::vector<Index>& piece) { return piece.size(); };
+  std::ranges::stable_sort(pieces, {}, size);
+  std::vector<Index> vertices;
+  for (std::size_t first = 0; first < pieces.size();) {  // all pieces of a size, or none
+    std::size_t last = first, total = vertices.size();
+    for (; last < pieces.size() && pieces[last].size() == pieces[first].size(); ++last)
+      total += pieces[last].size();
+    if (total > most) break;
+    for (; first < last; ++first) vertices.insert(vertices.end(), pieces[first].begin(), pieces[first].end());
+  }
+  return vertices;
 }
 
 // Returns, per vertex, whether it is within some rings of a held vertex that has a free neighbour and around
@@ -254,8 +270,8 @@ ResolvedProblem refine_boundary(ResolvedProblem problem, std::optional<int> leve
   if (levels) {
     for (const int holder : roles.holder) roles.refines.push_back(holder != nobody);
   } else {
-    const std::vector<Index> sparse = sparse_vertices(problem, roles.holder);
-    if (sparse.empty() || !is_few(sparse.size(), roles.holder)) return problem;
+    const std::vector<Index> sparse = few_vertices(sparse_pieces(problem, roles.holder), roles.holder);
+    if (sparse.empty()) return problem;
     roles.curves_stay = true;
     roles.refines.assign(roles.holder.size(), 0);
     for (const Index v : sparse) roles.refines[v] = 1;

@@ -23,8 +23,8 @@ struct ResolvedProblem {
 ///
 /// Without `levels`, the edges are halved twice around sparse handles and constraints. A connected piece of a
 /// handle, or of the constrained vertices, is sparse if each of its vertices has a free neighbour. Curves are
-/// never refined. The mesh does not change if the sparse vertices are more than 8 and more than a hundredth
-/// of the free ones.
+/// never refined. The smallest pieces are taken, as long as they have at most 8 vertices together, or a
+/// hundredth as many as are free; of pieces of one size all or none.
 ResolvedProblem refine_boundary(ResolvedProblem problem, std::optional<int> levels, const Context& context);
 
 }  // namespace meshgraft

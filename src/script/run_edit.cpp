@@ -163,14 +163,22 @@ LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
   return inputs;
 }
 
+// Returns whether a preset replaces the settings of every step, and nothing replaces those of the preset.
+bool has_preset_alone(const SettingsOverrides& overrides) {
+  return overrides.preset && !overrides.method && !overrides.stiffness && !overrides.iterations &&
+         !overrides.weights && !overrides.density && !overrides.degenerate && !overrides.proxy &&
+         !overrides.shape;
+}
+
 EditResult run_steps(const EditFile& edit, LoadedInputs inputs, const RunOptions& options,
                      const Context& context) {
   Stopwatch watch;
   EditResult result;
   EditReport& report = result.report;
   report.edit = edit.location;
-  for (const Note& note : edit.notes)  // FT05 as written is the same with all methods
-    if (!options.overrides.preset || note.id() != facts::script::OtherMethods::id) report.notes.push_back(note);
+  for (const Note& note : edit.notes)  // results of FT05 as written never change
+    if (!has_preset_alone(options.overrides) || note.id() != facts::script::OtherMethods::id)
+      report.notes.push_back(note);
   report.notes.insert(report.notes.end(), inputs.notes.begin(), inputs.notes.end());
   report.inputs = std::move(inputs.reports);
   report.seconds.read = inputs.read_seconds;

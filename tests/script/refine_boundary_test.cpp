@@ -162,6 +162,22 @@ TEST(SparseHandles, AreNotRefinedIfTheyAreMany) {
   EXPECT_GT(added(run(sheet, step_of(sheet, {{"indices", every}}, lift_pose, Json::object()))), 0);
 }
 
+TEST(SparseHandles, AreRefinedBesideLargerOnes) {
+  // An open rim is sparse, too, but has too many vertices.
+  const Sheet sheet = sheet_of(40);
+  std::vector<Index> rim;
+  for (Index v = 0; v < 1600; ++v)
+    if (v % 40 == 0 || v % 40 == 39 || v < 40 || v >= 1560) rim.push_back(v);
+  Json step = step_of(sheet, nearest(sheet), lift_pose, Json::object());
+  step.erase("region");
+  step["fixed"] = {{"indices", rim}};
+  const Index alone = added(run(sheet, step));
+  EXPECT_GT(alone, 0);
+  step.erase("fixed");
+  step["handles"].push_back({{"name", "rim"}, {"select", {{"indices", rim}}}});
+  EXPECT_EQ(added(run(sheet, step)), alone);
+}
+
 TEST(SparseHandles, AreNotCurves) {
   const Sheet sheet = sheet_of(30);
   const Json path = {{"path", {{"points", {{-0.1, 0, 0}, {0.1, 0, 0}}}}}};
