@@ -30,7 +30,8 @@ render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const V
   };
   for (const EditInput& input : inputs) {
     const Mesh mesh = load_input(input, edit, context);
-    if (images.empty() && view.from.empty())
+    const bool is_target = merge != edit.steps.end() && input.name == mesh_of(*merge);
+    if (is_target && view.from.empty())
       options.camera.from_direction = render::direction_to_change(mesh, result, options.camera.up, context);
     add(mesh, input.name);
   }

@@ -8,8 +8,9 @@
 
 namespace meshgraft::cli {
 
-/// Draws the edit's inputs, with the first merge's target first, and its result side by side. Each has a
-/// frame of its own, because parts differ in size. Throws the errors of `load_input`.
+/// Draws the edit's inputs and its result side by side. The input that the first merge grafts onto comes first,
+/// and all are seen from where most of what was added is seen. Each has a frame of its own, because parts
+/// differ in size. Throws the errors of `load_input`.
 render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const View& view,
                                const Context& context);
 

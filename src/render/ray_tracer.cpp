@@ -209,6 +209,7 @@ inline RayTracer::PackHit RayTracer::meet(const Pack& pack, const Ray& ray) cons
 
 std::optional<RayTracer::Hit> RayTracer::first_hit(const Eigen::Vector3f& origin,
                                                    const Eigen::Vector3f& direction) const {
+  if (packs_.empty() || !origin.allFinite() || !direction.allFinite()) return std::nullopt;
   Ray ray(origin, direction, infinite);
   struct Entry {
     std::uint32_t node;
@@ -248,6 +249,7 @@ std::optional<RayTracer::Hit> RayTracer::first_hit(const Eigen::Vector3f& origin
 }
 
 bool RayTracer::blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float reach) const {
+  if (packs_.empty() || !origin.allFinite() || !direction.allFinite()) return false;
   const Ray ray(origin, direction, reach);
   std::array<std::uint32_t, 64> stack;
   std::size_t height = 0;

@@ -166,7 +166,7 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
   }
   View view;
   view.centre = 0.5 * (low + high);
-  view.scale = std::max(0.5 * (high - low).norm(), std::numeric_limits<double>::min());
+  view.scale = std::max(0.5 * (high - low).stableNorm(), std::numeric_limits<double>::min());
   const Eigen::Vector3d back = camera.from_direction.normalized();
   const Eigen::Vector3d right = camera.up.cross(back).normalized();
   const Eigen::Vector3d up = back.cross(right);

@@ -64,8 +64,8 @@ struct Spot {
 };
 
 std::vector<Spot> spots_on(const Mesh& mesh, const std::vector<Index>& faces) {
-  constexpr std::size_t most = 500;
-  const std::size_t stride = faces.size() / most + 1;
+  constexpr std::size_t most_spots = 500;
+  const std::size_t stride = faces.size() / most_spots + 1;
   std::vector<Spot> spots;
   for (std::size_t i = 0; i < faces.size(); i += stride) {
     const auto face = mesh.faces[faces[i]];
@@ -119,9 +119,10 @@ Eigen::AlignedBox3d box_of_change(std::span<const Mesh* const> meshes) {
     extend(changed, *mesh, own_faces(*mesh, *meshes.front()));
     extend(changed, *meshes.front(), own_faces(*meshes.front(), *mesh));
   }
-  constexpr double small = 0.4;  // of the diagonal of all
-  if (changed.isEmpty() || changed.diagonal().norm() > small * all.diagonal().norm()) return all;
-  const double margin = std::max(0.5 * changed.sizes().maxCoeff(), 0.05 * all.diagonal().norm());
+  constexpr double largest_detail = 0.4;  // of the diagonal of all
+  if (changed.isEmpty() || changed.diagonal().stableNorm() > largest_detail * all.diagonal().stableNorm())
+    return all;
+  const double margin = std::max(0.5 * changed.sizes().maxCoeff(), 0.05 * all.diagonal().stableNorm());
   const Eigen::Vector3d around = Eigen::Vector3d::Constant(margin);
   return Eigen::AlignedBox3d(changed.min() - around, changed.max() + around).intersection(all);
 }
@@ -135,7 +136,7 @@ Eigen::Vector3d direction_to_change(const Mesh& before, const Mesh& after, const
   const Mesh* shown = &after;
   const Eigen::AlignedBox3d box = box_of({&shown, 1});
   const Eigen::Affine3d to_unit =
-      Eigen::Scaling(2 / box.diagonal().norm()) * Eigen::Translation3d(-box.center());
+      Eigen::Scaling(2 / box.diagonal().stableNorm()) * Eigen::Translation3d(-box.center());
   std::vector<Triangle> triangles;
   const Triangles corners_of = triangulate(after).triangles;
   for (const auto corners : corners_of.rowwise()) {
@@ -146,17 +147,17 @@ Eigen::Vector3d direction_to_change(const Mesh& before, const Mesh& after, const
   }
   const RayTracer tracer(triangles, context);
 
-  constexpr double clearly = 2;
+  constexpr double preference = 2;  // for the usual direction
   Eigen::Vector3d best = usual;
-  double most = clearly * seen_share(spots, tracer, to_unit, usual);
+  double most_seen = preference * seen_share(spots, tracer, to_unit, usual);
   const Eigen::Vector3d sideways = up.cross(usual).normalized();
-  for (const double higher : {0.0, 0.5})  // radians
+  for (const double raised : {0.0, 0.5, -0.8})  // radians; the last one looks from below
     for (int eighth = 0; eighth < 8; ++eighth) {
       const Eigen::Vector3d direction = Eigen::AngleAxisd(eighth * std::numbers::pi / 4, up.normalized()) *
-                                        (Eigen::AngleAxisd(-higher, sideways) * usual);
+                                        (Eigen::AngleAxisd(-raised, sideways) * usual);
       const double seen = seen_share(spots, tracer, to_unit, direction);
-      if (seen > most) {
-        most = seen;
+      if (seen > most_seen) {
+        most_seen = seen;
         best = direction;
       }
     }

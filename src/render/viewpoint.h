@@ -18,9 +18,9 @@ Eigen::Vector3d usual_direction(const Eigen::Vector3d& up);
 /// Returns the bounding box of several meshes. Coordinates that are not finite do not count.
 Eigen::AlignedBox3d box_of(std::span<const Mesh* const> meshes);
 
-/// Returns the box of the faces that the first mesh and another one do not share, with as much of the
-/// surroundings. Returns the box of all meshes where that is not much larger, or where they share all faces. A
-/// face is shared if its corners are at the same positions.
+/// Returns the box of the faces that the first mesh does not share with another one, with a margin of half its
+/// longest side. Returns the box of all meshes if the diagonal of the former is above 40 % of the latter's, or
+/// if all faces are shared. A face is shared if its corners are at the same positions.
 Eigen::AlignedBox3d box_of_change(std::span<const Mesh* const> meshes);
 
 /// Returns the direction towards the eye from which most of what differs between two meshes is seen on `after`.

@@ -155,5 +155,21 @@ TEST(RayTracer, LeavesOutWhatIsNotFinite) {
   }
 }
 
+TEST(RayTracer, MeetsNothingWithoutTrianglesOrWithoutARay) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const std::vector<Triangle>& none :
+       {std::vector<Triangle>{}, std::vector<Triangle>{{Eigen::Vector3f(0, 0, 0), {1, 0, 0}, {0, nan, 0}}}}) {
+    const RayTracer tracer(none);
+    EXPECT_FALSE(tracer.first_hit({0, 0, 1}, {0, 0, -1}).has_value());
+    EXPECT_FALSE(tracer.blocked({0, 0, 1}, {0, 0, -1}));
+  }
+  const RayTracer tracer(triangles_of(make_sample("torus", 24)));
+  for (const Vector3f& strange :
+       {Vector3f(0, nan, 0), Vector3f(0, 0, std::numeric_limits<float>::infinity())}) {
+    EXPECT_FALSE(tracer.first_hit({0, 0, 1}, strange).has_value());
+    EXPECT_FALSE(tracer.blocked(strange, {0, 0, -1}));
+  }
+}
+
 }  // namespace
 }  // namespace meshgraft::render

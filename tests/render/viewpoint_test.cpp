@@ -74,6 +74,12 @@ TEST(Viewpoint, TurnsToAChangeBehind) {
   }
 }
 
+TEST(Viewpoint, LooksFromBelowAtAChangeBelow) {
+  const Mesh before = sphere();
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  EXPECT_LT(direction_to_change(before, with_bump(before, -up, 0.3), up).dot(up), -0.3);
+}
+
 TEST(Viewpoint, LooksPastWhatHidesTheChange) {
   // A plate before the eye hides the bump from the usual direction.
   Mesh before = sphere();
