@@ -73,6 +73,7 @@ class Edit:
         self._json.update(inputs={}, steps=[])
         self._meshes: dict[str, Mesh] = {}
         self._folder = os.getcwd()  # paths are relative to it
+        self._loaded: set[Path] = set()  # input files of the edit file that was loaded
 
     # Building.
 
@@ -171,25 +172,38 @@ class Edit:
     def save(self, path: str | os.PathLike[str], *, overwrite: bool | None = None) -> list[Path]:
         """Writes the edit file, and meshes in memory beside it as NAME.ply. Returns the files that were written.
 
-        By default an edit file is replaced, and so are the meshes that it names; any other mesh is not. With `overwrite`,
-        all are replaced, or none.
+        By default, another edit file is replaced, with the meshes that were saved beside it; any other file is not. True
+        replaces files of any kind, False none. Input files of the edit are never replaced.
         """
+        if overwrite is not None and not isinstance(overwrite, bool):
+            raise TypeError(f"overwrite: expected True, False or None, not {overwrite!r}")
         file = Path(_arrays.path(path, "path"))
+        if file.is_dir():
+            raise IsADirectoryError(f"{file} is a folder; give the path of the edit file")
         text = self._text(saved=True)
         beside = {name: file.parent / self._json["inputs"][name]["file"] for name in self._meshes}
-        if file in beside.values():
-            raise ValueError(f"path: {file} is the file of a mesh of the edit")
-        own = _inputs_of(file) if overwrite is None else ()
-        for name, where in {"": file, **beside}.items():
-            if where.exists() and not (overwrite or (overwrite is None and (where == file or where.name in own))):
-                raise FileExistsError(f"{where} exists. Give overwrite=True to replace it"
-                                      + (f", or name the input '{name}' differently." if name else "."))
+        written = [file, *beside.values()]
+        inputs = {self._resolved(entry["file"]) for name, entry in self._json["inputs"].items()
+                  if "file" in entry and name not in self._meshes}
+        for where in written:
+            if where.resolve() in inputs or (where is not file and where.resolve() == file.resolve()):
+                raise ValueError(f"path: {where} is the file of a mesh of the edit")
+        own = _saved_with(file) - self._loaded if overwrite is None else set()
+        for where in written:
+            if where.exists() and not overwrite and where.resolve() not in own:
+                raise FileExistsError(f"{where} exists, and is no mesh that was saved with this edit file. Give "
+                                      "overwrite=True to replace it, or other names.")
         for name, where in beside.items():
             write(self._meshes[name], where)
-        moved = with_files(json.loads(text), self._meshes,
-                           lambda path: os.path.relpath(Path(self._folder) / path, file.parent))
+        folder = file.parent.resolve()
+        moved = with_files(json.loads(text), self._meshes, lambda path: os.path.relpath(self._resolved(path), folder))
         file.write_text(json.dumps(moved, ensure_ascii=False, indent=2) + "\n", encoding="utf-8")
-        return [file, *beside.values()]
+        return written
+
+    def _resolved(self, path: str) -> Path:
+        """Returns the place of a file that the edit names, without links to folders."""
+        place = Path(self._folder) / path
+        return place.parent.resolve() / place.name
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Edit:
@@ -197,13 +211,17 @@ class Edit:
         edit = cls()
         edit._json = json.loads(_core.read_edit(os.fspath(path)))
         edit._folder = os.path.dirname(os.path.abspath(path))
+        edit._loaded = {edit._resolved(entry["file"]) for entry in edit._json["inputs"].values() if "file" in entry}
         return edit
 
     def _copy(self) -> Edit:
         """Returns an edit that changes by itself."""
         edit = Edit()
         edit._json, edit._meshes, edit._folder = copy.deepcopy(self._json), dict(self._meshes), self._folder
+        edit._loaded = set(self._loaded)
         return edit
+
+    __copy__ = _copy
 
     # Running.
 
@@ -228,8 +246,13 @@ class Edit:
                      for method, result, failure in outcomes)
 
     def __eq__(self, other: object) -> bool:
-        return (isinstance(other, Edit) and self.steps == other.steps and self.to_json() == other.to_json()
-                and all(_is_same(mesh, other._meshes.get(name)) for name, mesh in self._meshes.items()))
+        return (isinstance(other, Edit) and self._meshes.keys() == other._meshes.keys()
+                and self._comparable() == other._comparable()
+                and all(_is_same(mesh, other._meshes[name]) for name, mesh in self._meshes.items()))
+
+    def _comparable(self) -> dict[str, Any]:
+        edit = json.loads(self.to_json()) if self._json["steps"] else _texts.Writer(aside=False).plain(self._json)
+        return {**with_files(edit, self._meshes, lambda path: str(self._resolved(path))), "made_with": None}
 
     __hash__ = None  # type: ignore[assignment]  # edits change
 
@@ -259,13 +282,17 @@ def with_files(edit: dict[str, Any], but: Collection[str], change: Callable[[str
             "steps": changed(edit["steps"])}
 
 
-def _inputs_of(file: Path) -> Collection[str]:
-    """Returns the files that an edit file names as its inputs; none if it cannot be read."""
+def _saved_with(file: Path) -> set[Path]:
+    """Returns an edit file that was saved, and the meshes beside it that it names; nothing for any other file."""
     try:
-        inputs = json.loads(file.read_text(encoding="utf-8"))["inputs"]
-        return {entry["file"] for entry in inputs.values() if "file" in entry}
+        edit = json.loads(file.read_text(encoding="utf-8"))
+        if edit["format"] != "meshgraft-edit" or "made_with" not in edit:
+            return set()
+        meshes = {name: entry.get("file") for name, entry in edit["inputs"].items()}
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        return ()
+        return set()
+    folder = file.parent.resolve()
+    return {file.resolve(), *(folder / path for name, path in meshes.items() if path == f"{name}.ply")}
 
 
 def _is_same(mesh: Mesh, other: Mesh | None) -> bool:

@@ -303,6 +303,44 @@ def test_a_save_replaces_no_mesh_of_others(bar, tmp_path):
     assert len(mg.read(tmp_path / "bar.ply")) == len(bar)
 
 
+def test_a_save_replaces_edit_files_alone(bar, tmp_path):
+    notes = tmp_path / "notes.txt"
+    notes.write_text("mine")
+    with pytest.raises(FileExistsError):
+        edit_of(bar).save(notes)
+    assert notes.read_text() == "mine" and not (tmp_path / "bar.ply").exists()
+    with pytest.raises(IsADirectoryError):
+        edit_of(bar).save(tmp_path)
+    with pytest.raises(TypeError, match="overwrite"):
+        edit_of(bar).save(tmp_path / "edit.json", overwrite="no")
+
+
+def test_a_save_replaces_no_input(bar, tmp_path):
+    torus = mg.sample("torus", 8)
+    mg.write(torus, tmp_path / "scan.ply")
+    mg.Edit().input("scan", tmp_path / "scan.ply").cut("scan", plane="z").save(tmp_path / "edit.json")
+    loaded = mg.Edit.load(tmp_path / "edit.json").input("scan", bar)
+    with pytest.raises(FileExistsError):
+        loaded.save(tmp_path / "edit.json")
+    both = mg.Edit().input("a", tmp_path / "scan.ply").input("scan", bar).cut("a", plane="z")
+    for overwrite in (None, True, False):
+        with pytest.raises(ValueError, match="is the file of a mesh of the edit"):
+            both.save(tmp_path / "both.json", overwrite=overwrite)
+    assert len(mg.read(tmp_path / "scan.ply")) == len(torus)
+
+
+def test_an_edit_is_saved_through_links(bar, tmp_path):
+    (tmp_path / "real" / "deep").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "real" / "deep")
+    mg.write(bar, tmp_path / "bar.ply")
+    mg.Edit().input("bar", tmp_path / "bar.ply").cut("bar", plane=((0, 0, 2), "z")).save(tmp_path / "link" / "edit.json")
+    mg.Edit.load(tmp_path / "link" / "edit.json").run()
+
+
 def test_edits_with_other_meshes_are_not_equal(bar):
+    assert mg.Edit() == mg.Edit() != mg.Edit("another name")
+    first = edit_of(bar)
+    second = copy.copy(first).input("second", bar)
+    assert first != second != first and "second" not in first.to_json()
     assert edit_of(bar) == edit_of(bar) == edit_of(bar.with_vertices(bar.vertices))
     assert edit_of(bar) != edit_of(bar.with_vertices(2 * bar.vertices))
