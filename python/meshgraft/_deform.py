@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -42,12 +41,12 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
         step["region"] = _texts.spec_of(region, "region", vertices)
     if fixed is not None:
         step["fixed"] = _texts.spec_of(fixed, "fixed", vertices)
-    if targets:
-        step["targets"] = [{"vertex": operator.index(v), "position": _arrays.vector(position, f"targets[{v}]").tolist()}
-                           for v, position in targets.items()]
-    if transforms:
-        step["transforms"] = [{"vertex": operator.index(v), "matrix": _arrays.matrix(matrix, f"transforms[{v}]", 3).tolist()}
-                              for v, matrix in transforms.items()]
+    if targets is not None and len(targets):
+        step["targets"] = [{"vertex": vertex, "position": _arrays.vector(position, f"targets[{vertex}]").tolist()}
+                           for vertex, position in _by_vertex(targets, "targets")]
+    if transforms is not None and len(transforms):
+        step["transforms"] = [{"vertex": vertex, "matrix": _arrays.matrix(matrix, f"transforms[{vertex}]", 3).tolist()}
+                              for vertex, matrix in _by_vertex(transforms, "transforms")]
     if anchors is not None:
         step["anchors"] = [_anchor(entry, f"anchors[{i}]", vertices)
                            for i, entry in enumerate(anchors if isinstance(anchors, list) else [anchors])]
@@ -56,6 +55,7 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
                             for i, entry in enumerate(features if isinstance(features, list) else [features])]
     if symmetry is not None:
         step["symmetry"] = _symmetry(symmetry)
+    settings = _texts.without_none(**(settings or {}))
     if settings:
         known = {*DeformKeywords.__annotations__, "proxy", "refine_boundary", "weld"}
         _texts.require_known(settings, known)
@@ -63,17 +63,33 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
     return step
 
 
+def _by_vertex(values: Mapping[int, Any], name: str) -> list[tuple[int, Any]]:
+    """Reads values by vertex."""
+    if not isinstance(values, Mapping):
+        raise TypeError(f"{name}: expected a dict of vertices and values, not {type(values).__name__}")
+    for vertex in values:
+        if not isinstance(vertex, (int, np.integer)):
+            raise TypeError(f"{name}: expected whole numbers as vertices, not {vertex!r}")
+    return [(int(vertex), value) for vertex, value in values.items()]
+
+
+def _number(value: Any, name: str) -> float:
+    if np.ndim(value) != 0 or np.asarray(value).dtype.kind not in "iuf":
+        raise ValueError(f"{name}: expected a number, not {value!r}")
+    return float(value)
+
+
 def _symmetry(value: Any) -> dict[str, Any]:
     """Reads a plane, or a pair (plane, tolerance)."""
-    if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[1]) == 0 and not isinstance(value[1], str):
-        return {**_arrays.plane(value[0], "symmetry[0]"), "tolerance_rel": float(value[1])}
+    if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[1]) == 0 and value[1] not in _arrays.AXES:
+        return {**_arrays.plane(value[0], "symmetry[0]"), "tolerance_rel": _number(value[1], "symmetry[1]")}
     return dict(_arrays.plane(value, "symmetry"))
 
 
 def _anchor(entry: Any, name: str, vertices: int | None) -> dict[str, Any]:
     """Reads vertices, or a pair (vertices, weight)."""
     if isinstance(entry, tuple) and len(entry) == 2:
-        return {"select": _texts.spec_of(entry[0], name, vertices), "weight": float(entry[1])}
+        return {"select": _texts.spec_of(entry[0], name, vertices), "weight": _number(entry[1], f"{name}[1]")}
     return {"select": _texts.spec_of(entry, name, vertices)}
 
 

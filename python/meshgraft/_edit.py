@@ -82,6 +82,12 @@ class Edit:
         """Adds a mesh by name: a mesh of any kind, the path of a file, or a built-in model (`sample`)."""
         if (mesh is None) == (sample is None):
             raise ValueError("input: give a mesh, a path, or sample")
+        if not isinstance(name, str):
+            raise TypeError(f"name: expected a str, not {type(name).__name__}")
+        if resolution and sample is None:
+            raise ValueError("resolution: only a sample has one")
+        if sha256 is not None and not isinstance(mesh, (str, os.PathLike)):
+            raise ValueError("sha256: only a file has one")
         if not name or name.startswith(".") or "/" in name or "\\" in name:
             raise ValueError(f"name: '{name}' cannot name a file beside the edit")
         self._meshes.pop(name, None)
@@ -209,7 +215,7 @@ class Edit:
     def load(cls, path: str | os.PathLike[str]) -> Edit:
         """Reads an edit file of version 1 or 2."""
         edit = cls()
-        edit._json = json.loads(_core.read_edit(os.fspath(path)))
+        edit._json = json.loads(_core.read_edit(_arrays.path(path, "path")))
         edit._folder = os.path.dirname(os.path.abspath(path))
         edit._loaded = {edit._resolved(entry["file"]) for entry in edit._json["inputs"].values() if "file" in entry}
         return edit
@@ -240,6 +246,8 @@ class Edit:
     def compare(self, methods: Sequence[str] = (), *, threads: int = 0,
                 progress: Progress = None) -> tuple[MethodOutcome, ...]:
         """Runs the edit once by each method: those named, or all (`meshgraft.methods()`)."""
+        if isinstance(methods, str):
+            methods = [methods]
         with calling(threads, None, progress) as call:
             outcomes = _core.compare(self._given(), list(methods), call)
         return tuple(MethodOutcome(method=method, result=None if result is None else _result(result), failure=failure)

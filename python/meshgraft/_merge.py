@@ -64,10 +64,13 @@ def _vertex(value: Any, name: str) -> Any:
     return _arrays.vector(value, name).tolist()
 
 
-def _matches(pairs: Sequence[tuple[Any, Any]] | None, name: str) -> list[list[Any]]:
+def _matches(pairs: Sequence[tuple[Any, Any]], name: str) -> list[list[Any]]:
     """Reads pairs (target vertex, source vertex); edit files have them the other way round."""
+    for i, pair in enumerate(pairs):
+        if np.ndim(pair) == 0 or len(pair) != 2:
+            raise ValueError(f"{name}[{i}]: expected a pair (target vertex, source vertex)")
     return [[_vertex(source, f"{name}[{i}][1]"), _vertex(target, f"{name}[{i}][0]")]
-            for i, (target, source) in enumerate(() if pairs is None else pairs)]
+            for i, (target, source) in enumerate(pairs)]
 
 
 def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], arguments: Mapping[str, Any]) -> dict[str, Any]:
@@ -103,9 +106,9 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
             step["at"]["spin_deg"] = a["spin_deg"]
         if "source_loop" in a:
             step["at"]["source_loop"] = _loop(a["source_loop"], "source_loop", source_size)
-    if a.get("settings"):
-        _texts.require_known(a["settings"], MergeKeywords.__annotations__)
-        step["settings"] = dict(a["settings"])
+    if settings := _texts.without_none(**a.get("settings", {})):
+        _texts.require_known(settings, MergeKeywords.__annotations__)
+        step["settings"] = settings
     return step
 
 

@@ -172,11 +172,25 @@ def test_notes_are_warnings(bar, ends):
     (lambda mesh: mg.merge(mesh, mesh, no_setting=1), TypeError, "unexpected keyword argument 'no_setting'"),
     (lambda mesh: mg.deform(mesh, handles={"h": [5]}, fixed=np.zeros(len(mesh), np.uint8)), ValueError, "mask"),
     (lambda mesh: mg.merge(mesh, mesh, matches=np.array([[1, 2.5]])), ValueError, r"matches\[0\]\[1\]"),
+    (lambda mesh: mg.merge(mesh, mesh, matches=[(1,)]), ValueError, r"matches\[0\]: expected a pair"),
+    (lambda mesh: mg.deform(mesh, targets=[(5, (0, 0, 1))]), TypeError, "targets: expected a dict"),
+    (lambda mesh: mg.deform(mesh, targets={5.5: (0, 0, 1)}), TypeError, "targets: expected whole numbers"),
+    (lambda mesh: mg.deform(mesh, handles={"h": [5]}, anchors=[([1], "x")]), ValueError, r"anchors\[0\]\[1\]"),
+    (lambda mesh: mg.deform(mesh, handles={"h": [5]}, symmetry=("x", "a")), ValueError, r"symmetry\[1\]"),
+    (lambda mesh: mg.Edit().input(5, mesh), TypeError, "name: expected a str"),
+    (lambda mesh: mg.Edit().input("a", mesh, sha256="0"), ValueError, "sha256: only a file"),
+    (lambda mesh: mg.Edit().input("a", mesh, resolution=5), ValueError, "resolution: only a sample"),
+    (lambda mesh: mg.Edit.load(3), TypeError, "path: expected a path"),
     (lambda mesh: mg.edit(mesh, folders=[3], show="none"), TypeError, "folders: expected a path"),
 ])
 def test_a_strange_argument_is_named(call, error, says):
     with pytest.raises(error, match=says):
         call(mg.sample("bumpy_plane", 12))
+
+
+def test_none_is_no_setting(bar, ends):
+    one, other = (mg.deform(bar, handles=ends, **none) for none in ({}, {"method": None, "stiffness": None}))
+    assert one.vertices.tobytes() == other.vertices.tobytes()
 
 
 def test_a_tolerance_of_symmetry_may_be_whole():
