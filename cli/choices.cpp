@@ -70,7 +70,7 @@ CLI::Validator whole_number_from(int least, int most) {
 CLI::Option* add_as_published(CLI::App& command, std::optional<Preset>& preset) {
   return command.add_flag_callback(
       "--as-published", [&preset] { preset = Preset::as_published; },
-      "Solve as Fu and Tai's paper of 2005 says, instead of by the settings of the edit file");
+      "Solve as Fu and Tai's paper of 2005 says; other options beside it win");
 }
 
 CLI::Option* add_threads(CLI::App& command, int& threads) {
