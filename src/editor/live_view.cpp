@@ -56,8 +56,9 @@ Eigen::Affine3d nearest_similarity(const Points& rest, const Points& shown, doub
   if (rest.rows() == 0 || (shown - rest).rowwise().norm().maxCoeff() <= least) return moved;
   const Eigen::RowVector3d from = rest.colwise().mean(), to = shown.colwise().mean();
   moved.translation() = (to - from).transpose();
+  if (rest.rows() < 3) return moved;
   const Eigen::Vector3d spread = (rest.transpose().colwise() - from.transpose()).jacobiSvd().singularValues();
-  if (rest.rows() < 3 || spread(1) <= 1e-6 * spread(0)) return moved;
+  if (spread(1) <= 1e-6 * spread(0)) return moved;
   const Eigen::Affine3d similar(Eigen::umeyama(rest.transpose(), shown.transpose(), true));
   return similar.linear().determinant() > 1e-9 ? similar : moved;
 }
