@@ -123,7 +123,7 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     """
     adapted = adapt(mesh)
     own = adapted.mesh
-    given = {**settings, **_texts.without_none(proxy=proxy, refine_boundary=refine_boundary, weld=weld)}
+    given = {**settings, "proxy": proxy, "refine_boundary": refine_boundary, "weld": weld}
     step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
                        transforms=transforms, anchors=anchors, features=features, symmetry=symmetry, settings=given)
     options = {"estimate_condition": False, "strict": False, "keep": [], "memory": memory}

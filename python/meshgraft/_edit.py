@@ -116,7 +116,7 @@ class Edit:
                result: str | None = None, name: str | None = None, about: str | None = None, proxy: int | None = None,
                refine_boundary: int | None = None, weld: bool | None = None, **settings: Unpack[DeformKeywords]) -> Self:
         """Adds a deform step on a mesh by name. The arguments are those of `meshgraft.deform`."""
-        given = {**settings, **_texts.without_none(proxy=proxy, refine_boundary=refine_boundary, weld=weld)}
+        given = {**settings, "proxy": proxy, "refine_boundary": refine_boundary, "weld": weld}
         step = deform_step(mesh, None, region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
                            transforms=transforms, anchors=anchors, features=features, symmetry=symmetry, settings=given)
         return self._add(step, result, name, about)
@@ -178,8 +178,8 @@ class Edit:
     def save(self, path: str | os.PathLike[str], *, overwrite: bool | None = None) -> list[Path]:
         """Writes the edit file, and meshes in memory beside it as NAME.ply. Returns the files that were written.
 
-        By default, another edit file is replaced, with the meshes that were saved beside it; any other file is not. True
-        replaces files of any kind, False none. Input files of the edit are never replaced.
+        By default, an edit file that was saved is replaced, with the meshes that were saved beside it; any other file is
+        not. True replaces files of any kind, False none. Input files of the edit are never replaced.
         """
         if overwrite is not None and not isinstance(overwrite, bool):
             raise TypeError(f"overwrite: expected True, False or None, not {overwrite!r}")
@@ -197,8 +197,8 @@ class Edit:
         own = _saved_with(file) - self._loaded if overwrite is None else set()
         for where in written:
             if where.exists() and not overwrite and where.resolve() not in own:
-                raise FileExistsError(f"{where} exists, and is no mesh that was saved with this edit file. Give "
-                                      "overwrite=True to replace it, or other names.")
+                raise FileExistsError(f"{where} exists" + (", and was not saved with this edit" if overwrite is None else "")
+                                      + ". Give overwrite=True to replace it, or another name.")
         for name, where in beside.items():
             write(self._meshes[name], where)
         folder = file.parent.resolve()

@@ -14,6 +14,7 @@
 
 #include "support/mesh_families.h"
 #include "support/oracle.h"
+#include "support/pin.h"
 
 namespace meshgraft::test {
 namespace {
@@ -201,19 +202,7 @@ TEST(AsPublished, HasLengthsOfTwoToThreeTenthsToOneSide) {
   EXPECT_GT(longest, 0.295);
 }
 
-/// Results that must never change, in the order of `meshes`: the mean of all positions, and their root mean
-/// square with the weights 1, 2, 3 … along the order of the vertices.
-struct Pin {
-  Eigen::RowVector3d mean, weighted;
-};
-
-Pin pin_of(const Points& positions) {
-  const Eigen::VectorXd weights =
-      Eigen::VectorXd::LinSpaced(positions.rows(), 1, static_cast<double>(positions.rows()));
-  return {positions.colwise().mean(),
-          ((weights.transpose() * positions.array().square().matrix()) / weights.sum()).cwiseSqrt()};
-}
-
+/// Results that must never change, in the order of `meshes`.
 const std::vector<Pin> pins = {
     {{0.910597334869, 0.762692081342, 0.203890768829}, {1.14131770451, 1.05739197375, 0.292847392592}},
     {{-0.197231515184, 0.229945648725, 0.290882464895}, {0.623121205074, 0.593824581631, 1.13562570151}},
@@ -224,12 +213,6 @@ const std::vector<Pin> pins = {
     {{0.870650209238, 0.764094327036, 0.260617212907}, {1.08137833559, 1.03590161046, 0.345245244884}},
     {{0.902395199382, 1.02918648786, 0.240476764363}, {1.08861652882, 1.43616813516, 0.367349883506}},
 };
-
-void expect_pin(const Points& positions, const Pin& expected) {
-  const Pin pin = pin_of(positions);
-  EXPECT_LT((pin.mean - expected.mean).norm(), 1e-9) << pin.mean.format(Eigen::IOFormat(17));
-  EXPECT_LT((pin.weighted - expected.weighted).norm(), 1e-9) << pin.weighted.format(Eigen::IOFormat(17));
-}
 
 TEST(AsPublished, NeverChanges) {
   const std::vector<TestMesh> all = meshes();

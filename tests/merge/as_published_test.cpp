@@ -16,6 +16,7 @@
 
 #include "support/mesh_families.h"
 #include "support/oracle.h"
+#include "support/pin.h"
 
 namespace meshgraft::test {
 namespace {
@@ -254,31 +255,13 @@ TEST(AsPublishedMerge, ZipsTheGapFromTheClosestPairOn) {
   }
 }
 
-/// Results that must never change, in the order of `paper_grafts`: the mean of all positions of the joined
-/// mesh, and their root mean square with the weights 1, 2, 3 … along the order of the vertices.
-struct Pin {
-  Eigen::RowVector3d mean, weighted;
-};
-
-Pin pin_of(const Points& positions) {
-  const Eigen::VectorXd weights =
-      Eigen::VectorXd::LinSpaced(positions.rows(), 1, static_cast<double>(positions.rows()));
-  return {positions.colwise().mean(),
-          ((weights.transpose() * positions.array().square().matrix()) / weights.sum()).cwiseSqrt()};
-}
-
+/// Results that must never change, in the order of `paper_grafts`.
 const std::vector<Pin> pins = {
     {{0.0198886438602, 0.0030550672223, -0.322122793194}, {0.269333146528, 0.265764868256, 1.78188884366}},
     {{0.0119310734525, -0.0304057193404, -0.218129894681}, {0.261252321986, 0.266815594571, 1.36678564734}},
     {{1.03263548602, 1.00039964959, -0.0701144450745}, {1.11820642229, 1.1674829763, 0.190059908839}},
     {{0.0011190055772, -0.000383336255109, 0.490963031916}, {0.207224526426, 0.214964163159, 0.617989049455}},
 };
-
-void expect_pin(const Points& positions, const Pin& expected) {
-  const Pin pin = pin_of(positions);
-  EXPECT_LT((pin.mean - expected.mean).norm(), 1e-9) << pin.mean.format(Eigen::IOFormat(17));
-  EXPECT_LT((pin.weighted - expected.weighted).norm(), 1e-9) << pin.weighted.format(Eigen::IOFormat(17));
-}
 
 TEST(AsPublishedMerge, NeverChanges) {
   const std::vector<PaperGraft> grafts = paper_grafts();
