@@ -14,7 +14,7 @@ from meshgraft import select
 from meshgraft._core import __version__
 from meshgraft._deform import Deformer, HandleBasis, ProxyDeformer, ReducedFrames, deform, estimated_memory
 from meshgraft._edit import Edit, EditResult, MethodOutcome, compare, methods
-from meshgraft._editing import Editing, edit
+from meshgraft._editor import Editing, edit
 from meshgraft._facts import (Cancelled, Error, FileError, InputError, Note, NoteWarning, OutOfMemoryError,
                               UnsolvableError, UsageError)
 from meshgraft._live import LiveDeformer, LiveFrame

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, Literal, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -104,7 +104,7 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
            region: Any = None, fixed: Any = None, targets: Mapping[int, ArrayLike] | None = None,
            transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None,
            features: Sequence[Any] | None = None, symmetry: Any = None,
-           proxy: int | None = None, refine_boundary: int | None = None, weld: bool | None = None, threads: int = 0,
+           proxy: int | None = None, refine_boundary: int | Literal["auto"] | None = None, weld: bool | None = None, threads: int = 0,
            memory: int | None = None, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> M:
     """Deforms a mesh once, as `meshgraft deform` does; the result has the type of `mesh`.
 
@@ -115,8 +115,8 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     halves what they would move. `features`: sets of free vertices that keep their shape up to one similarity, or pairs
     (vertices, "affine"). `symmetry`: a plane, (point, normal) or "x" for x = 0; an edit on one side happens on the other,
     too. A pair (plane, tolerance) tells how far a vertex may be from its mirror image, x the diagonal of the bounding box.
-    `refine_boundary`: how often the edges around handles and fixed vertices are halved for the solve, 0 to 4; None:
-    twice around handles and targets without an interior vertex, such as single vertices.
+    `refine_boundary`: how often the edges around handles and fixed vertices are halved for the solve, 0 to 4; "auto" or
+    None: twice around handles and targets without an interior vertex, such as single vertices.
     `proxy`: solve a decimated proxy of about so many vertices. `memory`: bytes that the solve may take. All vertices
     outside the region keep their bits. Coincident vertices of triangle soups move as one. Other deviations from the
     request, such as a proxy that was solved for want of memory, are told as a NoteWarning.

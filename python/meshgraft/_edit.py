@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,7 +114,7 @@ class Edit:
                transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None,
                features: Sequence[Any] | None = None, symmetry: Any = None,
                result: str | None = None, name: str | None = None, about: str | None = None, proxy: int | None = None,
-               refine_boundary: int | None = None, weld: bool | None = None, **settings: Unpack[DeformKeywords]) -> Self:
+               refine_boundary: int | Literal["auto"] | None = None, weld: bool | None = None, **settings: Unpack[DeformKeywords]) -> Self:
         """Adds a deform step on a mesh by name. The arguments are those of `meshgraft.deform`."""
         given = {**settings, "proxy": proxy, "refine_boundary": refine_boundary, "weld": weld}
         step = deform_step(mesh, None, region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,

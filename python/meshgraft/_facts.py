@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -75,9 +76,33 @@ class UnsolvableError(Error):
 
 
 class FileError(Error, OSError):
-    """Reading or writing a file failed."""
+    """Reading or writing a file failed.
+
+    `errno` is the system's number where there is one, and `filename` the file. What Python has a class for is of a
+    subclass that also is of that class, such as FileNotFoundError.
+    """
 
     code = "io"
+
+
+class MissingFileError(FileError, FileNotFoundError):
+    """There is no such file or folder."""
+
+
+class PermissionFileError(FileError, PermissionError):
+    """The file or its folder may not be read or written."""
+
+
+class ExistingFileError(FileError, FileExistsError):
+    """The file exists already."""
+
+
+class FolderError(FileError, IsADirectoryError):
+    """A folder stands where a file is expected."""
+
+
+class NoFolderError(FileError, NotADirectoryError):
+    """A file stands where a folder is expected."""
 
 
 class OutOfMemoryError(Error, MemoryError):
@@ -96,12 +121,32 @@ _CLASSES: dict[str, type[Error]] = {
     kind.code: kind for kind in (InputError, UsageError, UnsolvableError, FileError, OutOfMemoryError, Cancelled)}
 
 
+_FILE_ERRORS: dict[str, tuple[int, type[FileError]]] = {
+    "io.file_not_found": (errno.ENOENT, MissingFileError),
+    "io.no_permission": (errno.EACCES, PermissionFileError),
+    "io.file_exists": (errno.EEXIST, ExistingFileError),
+    "io.is_folder": (errno.EISDIR, FolderError),
+    "io.not_a_folder": (errno.ENOTDIR, NoFolderError),
+    "io.disk_full": (errno.ENOSPC, FileError),
+    "io.file_too_large": (errno.EFBIG, FileError),
+    "io.link_loop": (errno.ELOOP, FileError),
+    "io.name_too_long": (errno.ENAMETOOLONG, FileError),
+    "io.read_only": (errno.EROFS, FileError),
+    "io.nobody_reads": (errno.EPIPE, FileError),
+}
+"""number of the system and class of an id"""
+
+
 def _remake(kind: type[Error], message: str, id: str, fields: Mapping[str, FactValue], location: str, problem: str,
             remedy: str, notes: tuple[Note, ...]) -> Error:
-    return kind(message, id=id, fields=fields, location=location, problem=problem, remedy=remedy, notes=notes)
+    error = kind(message, id=id, fields=fields, location=location, problem=problem, remedy=remedy, notes=notes)
+    if isinstance(error, FileError) and id in _FILE_ERRORS:
+        error.errno, error.filename, error.strerror = _FILE_ERRORS[id][0], location or None, problem
+    return error
 
 
 def make_error(code: str, id: str, fields: Mapping[str, FactValue], location: str, problem: str, remedy: str,
                notes: tuple[Note, ...], message: str) -> Error:
     """Returns the exception of an error of the extension module."""
-    return _remake(_CLASSES.get(code, Error), message, id, fields, location, problem, remedy, notes)
+    kind = _FILE_ERRORS[id][1] if id in _FILE_ERRORS else _CLASSES.get(code, Error)
+    return _remake(kind, message, id, fields, location, problem, remedy, notes)

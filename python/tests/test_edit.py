@@ -1,6 +1,7 @@
 """Edits, selections, errors, and what can be pickled."""
 
 import copy
+import errno
 import json
 import pickle
 
@@ -113,7 +114,17 @@ def test_errors_have_ids_and_places(bar, ends, tmp_path):
     assert caught.value.id == "samples.no_such_sample" and caught.value.code == "input" and caught.value.problem
     with pytest.raises(mg.FileError) as caught:
         mg.read(tmp_path / "missing.ply")
-    assert isinstance(caught.value, OSError) and caught.value.location
+    error = caught.value
+    assert isinstance(error, FileNotFoundError) and error.errno == errno.ENOENT
+    assert error.filename == error.location == str(tmp_path / "missing.ply") and str(error).startswith(error.location)
+    copied = pickle.loads(pickle.dumps(error))
+    assert (type(copied), str(copied), copied.errno, copied.filename) == (
+        type(error), str(error), error.errno, error.filename)
+    with pytest.raises(IsADirectoryError):
+        mg.read(tmp_path)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(NotADirectoryError):
+        mg.read(tmp_path / "file" / "a.ply")
     with pytest.raises(mg.UnsolvableError) as caught:
         mg.deform(bar, handles={"top": mg.Handle(ends["top"][:1], shape="vertex", constrain="position")})
     assert caught.value.id.startswith("deform.component") and caught.value.remedy
@@ -123,9 +134,11 @@ def test_errors_have_ids_and_places(bar, ends, tmp_path):
     with pytest.raises(mg.InputError) as caught:
         mg.deform(bar, handles=ends, stiffness=-1)
     assert caught.value.location == "settings.stiffness"
+    with pytest.raises(mg.InputError, match="an integer or 'auto'"):
+        mg.deform(bar, handles=ends, refine_boundary="often")
     with pytest.raises(mg.InputError, match="meshgraft.cut"):
         mg.merge(bar, mg.sample("head", 24))
-    with pytest.raises(mg.FileError):
+    with pytest.raises(FileExistsError):
         mg.write(bar, tmp_path / "a.ply", overwrite=mg.write(bar, tmp_path / "a.ply") is None)
     for kind in (mg.InputError, mg.UsageError):
         assert issubclass(kind, ValueError) and issubclass(kind, mg.Error)

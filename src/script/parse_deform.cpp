@@ -213,7 +213,9 @@ DeformSettings parse_settings(const Value& value) {
   if (settings.preset) settings.refine_boundary = 0;
   fields.optional("refine_boundary", [&](const Value& v) {
     settings.refine_boundary.reset();
-    if (v.raw() != "auto") settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
+    if (v.raw() == "auto") return;
+    if (!v.raw().is_number_integer()) v.fail_type(facts::script::Type::integer_or_auto);
+    settings.refine_boundary = static_cast<int>(v.integer_in(0, max_refinements));
   });
   fields.optional("proxy",
                   [&](const Value& v) { settings.proxy = static_cast<Index>(v.integer_in(0, max_proxy)); });
