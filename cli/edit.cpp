@@ -55,6 +55,7 @@ void run_edit(const EditArguments& arguments, const Context& context) {
   editor::EditorOptions options = arguments.options;
   options.port = static_cast<std::uint16_t>(arguments.port.value_or(usual_port));
   options.or_free_port = !arguments.port;
+  if (options.models.empty() && options.folders.empty()) options.folders = {std::filesystem::current_path()};
   const auto started = [&](const editor::EditorAddress& address) {
     fmt::print("{}\n", address.url);
     std::fflush(stdout);
@@ -87,7 +88,9 @@ void add_edit(CLI::App& program, Action& action) {
       ->type_name("N")
       ->check(whole_number_from(0, 65535));
   command
-      ->add_option("--folder", arguments->options.folders, "A folder that may be read and written; repeatable")
+      ->add_option("--folder", arguments->options.folders,
+                   "A folder that may be read and written; repeatable. Without it and without models: the "
+                   "folder you are in")
       ->type_name("DIR")
       ->allow_extra_args(false);
   command->add_flag("--no-browser", arguments->no_browser, "Print the address, and open no browser");

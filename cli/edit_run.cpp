@@ -48,6 +48,17 @@ void add_features(const std::vector<std::string>& features, EditFile& edit) {
   }
 }
 
+// Returns the error with the option as its location if it is of a feature that add_features() added.
+Error in_words_of_features(const Error& error, const std::vector<std::string>& features, const EditFile& edit) {
+  const std::span<const LocationPart> parts = error.location().parts();
+  if (parts.size() < 5 || parts[1].name != "steps" || parts[3].name != "features") return error;
+  const auto* step = std::get_if<DeformStep>(&edit.steps.at(parts[2].index).action);
+  if (step == nullptr) return error;
+  const std::size_t own = step->features.size() - features.size();
+  if (parts[4].index < own) return error;
+  return error.at(at_option(error.location(), 5, "--feature " + features[parts[4].index - own]));
+}
+
 // A mesh of the edit to be saved after the last step, and its file.
 struct Save {
   std::string name;
@@ -210,7 +221,13 @@ void run_edit_file(const EditRunArguments& arguments, Context context) {
   check_outputs(arguments, saves, edit);
   RunOptions options = arguments.run;
   for (const Save& save : saves) options.keep.push_back(save.name);
-  EditResult result = run_edit(edit, options, context);
+  EditResult result = [&] {
+    try {
+      return run_edit(edit, options, context);
+    } catch (const Error& error) {
+      throw in_words_of_features(error, arguments.features, edit);
+    }
+  }();
   std::vector<Note>& notes = result.report.notes;
   notes.insert(notes.begin(), arguments.notes.begin(), arguments.notes.end());
   write_outputs(arguments, saves, edit, result, context);

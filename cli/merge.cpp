@@ -237,10 +237,6 @@ std::string option_behind(const MergeArguments& arguments, std::span<const Locat
   return word;
 }
 
-bool is_of_document(const LocationPart& part) {
-  return part.kind == LocationPart::Kind::field || part.kind == LocationPart::Kind::element;
-}
-
 // Returns the error with the option or file that caused it as its location. The user never wrote the fields
 // of the plain edit.
 Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
@@ -252,11 +248,8 @@ Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
     return error.at(parts[2].name == "source" ? arguments.source : arguments.target);
   }
   if (!location.starts_with(step)) return error;
-  std::size_t inner = 3;
-  while (inner < parts.size() && is_of_document(parts[inner])) ++inner;
-  if (inner == 3) return error.at(location.from(3));
-  const std::string option = option_behind(arguments, parts.subspan(3));
-  return error.at((option.empty() ? Location() : Location::place(option)) / location.from(inner));
+  const bool has_field = parts.size() > 3 && (parts[3].kind == LocationPart::Kind::field);
+  return error.at(at_option(location, 3, has_field ? option_behind(arguments, parts.subspan(3)) : ""));
 }
 
 EditFile edit_from(const MergeArguments& arguments) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <string_view>
+#include <vector>
 
 namespace meshgraft::cli {
 
@@ -27,5 +28,14 @@ FactText text_of(const Fact& fact) {
 std::string sentence(const Error& error) { return meshgraft::sentence(error, text_of); }
 
 std::string sentence(const Note& note) { return meshgraft::sentence(note, text_of); }
+
+Location at_option(const Location& location, std::size_t outer, const std::string& option) {
+  const std::vector<LocationPart>& parts = location.parts();
+  std::size_t inner = outer;
+  while (inner < parts.size() &&
+         (parts[inner].kind == LocationPart::Kind::field || parts[inner].kind == LocationPart::Kind::element))
+    ++inner;
+  return (option.empty() ? Location() : Location::place(option)) / location.from(inner);
+}
 
 }  // namespace meshgraft::cli

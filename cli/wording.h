@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include <meshgraft/core/error.h>
@@ -15,5 +16,9 @@ std::string sentence(const Error& error);
 
 /// Returns "note. remedy".
 std::string sentence(const Note& note);
+
+/// Returns the location with the name of an option in place of its first `outer` parts. Fields and elements of
+/// a document that follow them are left out, since the user gave no document. An empty `option` adds no part.
+Location at_option(const Location& location, std::size_t outer, const std::string& option);
 
 }  // namespace meshgraft::cli

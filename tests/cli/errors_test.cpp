@@ -38,6 +38,8 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"", 2, "subcommand"},
       {"defrom edit.json", 2, "'defrom' is not a command"},
       {"deform edit.json", 2, "--output"},
+      {"deform edit.json -o o.ply --feature loop:9", 3, "error: --feature loop:9: boundary loop 9"},
+      {"deform edit.json -o o.ply --feature indices:0 --feature file:no.txt", 3, "error: --feature "},
       {"deform edit.json -o o.ply --weights cotan", 2, "'cotan' is not one of uniform, cotangent"},
       {"deform edit.json -o o.ply --method linear", 2,
        "'linear' is not one of ft05, rotation-aware, corotational"},
