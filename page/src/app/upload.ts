@@ -14,14 +14,14 @@ export function refusalOf(file: { name: string; size: number }): Told | undefine
     return {
       problem: `The file has ${formatBytes(file.size)}; more than ${formatBytes(uploadLimit)} are not sent through the browser`,
       location: file.name,
-      remedy: "Open it from its folder: start `meshgraft edit` with the file, or with --folder and its folder.",
+      remedy: "Start the editor in the folder of the file, and open it from the list of files.",
     };
   if (file.size === 0) return { problem: "The file is empty", location: file.name, remedy: "" };
   if (file.name.toLowerCase().endsWith(".json"))
     return {
       problem: "An edit file refers to models beside it, which the browser does not see",
       location: file.name,
-      remedy: "Open it from its folder: start `meshgraft edit` with it, or browse the folders.",
+      remedy: "Open it from the list of files, or start the editor in its folder.",
     };
   if (!formats.some((format) => file.name.toLowerCase().endsWith(format)))
     return {

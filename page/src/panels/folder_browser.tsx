@@ -101,7 +101,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
         {isEmpty && (
           <li class="nothing">
             {folder === null
-              ? "No folder: start the editor with --folder to use one."
+              ? "No folder is open. Start the editor in the folder of your models."
               : "Nothing of this kind here."}
           </li>
         )}
