@@ -1,6 +1,7 @@
 # meshgraft_facts(target namespace folder…): makes the records of facts of the folders' tables, for "FOLDER/facts.h",
 # and compiles them into the target (tools/facts.py).
 find_package(Python3 3.9 REQUIRED COMPONENTS Interpreter)
+add_custom_target(meshgraft_generated)  # all headers that are made, without compiling anything
 set(meshgraft_facts_tool ${PROJECT_SOURCE_DIR}/tools/facts.py)
 
 function(meshgraft_facts target namespace)
@@ -18,6 +19,7 @@ function(meshgraft_facts target namespace)
     DEPENDS ${meshgraft_facts_tool} ${tables} COMMENT "Making the records of facts of ${target}" VERBATIM)
   add_custom_target(${target}_fact_headers DEPENDS ${headers})
   add_dependencies(${target} ${target}_fact_headers)
+  add_dependencies(meshgraft_generated ${target}_fact_headers)
   target_sources(${target} PRIVATE ${out}/facts.cpp)
   set_source_files_properties(${out}/facts.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${out}>)
@@ -35,4 +37,5 @@ function(meshgraft_texts target folder)
     DEPENDS ${meshgraft_facts_tool} ${texts} ${tables} COMMENT "Making the texts of facts of ${target}" VERBATIM)
   add_custom_target(${target}_texts DEPENDS ${out})
   add_dependencies(${target} ${target}_texts)
+  add_dependencies(meshgraft_generated ${target}_texts)
 endfunction()

@@ -117,7 +117,7 @@ class Selection {
 
   using Kind = std::variant<All, Indices, Box, Sphere, HalfSpace, Component, Loop, NearestVertex, Path, Grow,
                             GrowLength, Union, Minus, Intersect, Mirror, Rim>;
-  Selection(Kind description) : kind(std::move(description)) {}  // NOLINT(google-explicit-constructor)
+  Selection(Kind description) : kind(std::move(description)) {}
   Kind kind;
 };
 
