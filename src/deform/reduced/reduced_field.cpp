@@ -41,7 +41,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
       iterations_(rotations.iterations()) {
   context.step("reduce", 0);
   spread_logs(context);
-  choose_samples(centres, samples);
+  choose_samples(centres, samples, context);
   spread_samples(options.backend, context);
   if (iterations_ > 0) reduce_smoothing(context);
   fit_loose_components();
@@ -49,7 +49,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
 }
 
-void ReducedField::choose_samples(Index centres, Index samples) {
+void ReducedField::choose_samples(Index centres, Index samples, const Context& context) {
   const Patch& patch = system_->patch();
   const IndexLists& rings = system_->rings();
   const Flags& given = system_->mask().transform;
@@ -59,11 +59,11 @@ void ReducedField::choose_samples(Index centres, Index samples) {
   const Flags& constrained = rotations_->fields().constrained_components();
   const auto loose = static_cast<Index>(std::count(constrained.begin(), constrained.end(), 0));
   centres = std::max(centres, loose);
-  samples_ = farthest_vertices(patch.points, rings, given, open, std::max(samples, loose));
+  samples_ = farthest_vertices(patch.points, rings, given, open, std::max(samples, loose), context);
   centres_.assign(samples_.begin(),
                   samples_.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(
                                          samples_.size(), static_cast<std::size_t>(centres))));
-  cell_ = nearest_sample(patch.points, rings, samples_);
+  cell_ = nearest_sample(patch.points, rings, samples_, context);
   areas_.assign(samples_.size(), 0.0);
   normals_ = Points::Zero(static_cast<Eigen::Index>(samples_.size()), 3);
   const std::vector<double>& areas = rotations_->fields().areas();

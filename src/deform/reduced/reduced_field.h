@@ -61,7 +61,7 @@ class ReducedField {
 
  private:
   void spread_logs(const Context& context);
-  void choose_samples(Index centres, Index samples);
+  void choose_samples(Index centres, Index samples, const Context& context);
   void spread_samples(SolverBackend backend, const Context& context);
   void reduce_smoothing(const Context& context);
   void fit_loose_components();

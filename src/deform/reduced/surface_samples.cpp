@@ -1,5 +1,6 @@
 #include "surface_samples.h"
 
+#include "core/sparse_checks.h"
 #include "mesh/shortest_distances.h"
 
 namespace meshgraft {
@@ -9,8 +10,12 @@ namespace {
 /// Distances along edges (Dijkstra) that are updated when a source is added.
 class EdgeDistances {
  public:
-  EdgeDistances(const Points& points, const IndexLists& rings)
-      : points_(points), rings_(rings), distance_(rings.size(), unreached), source_(distance_.size(), -1) {}
+  EdgeDistances(const Points& points, const IndexLists& rings, const Context& context)
+      : points_(points),
+        rings_(rings),
+        check_(context, 1U << 14),
+        distance_(rings.size(), unreached),
+        source_(distance_.size(), -1) {}
 
   void add_source(Index vertex, Index number) {
     new_sources_.push_back(vertex);
@@ -20,6 +25,7 @@ class EdgeDistances {
   /// Visits only vertices whose distance the new sources decrease.
   void update() {
     shortest_distances(new_sources_, distance_, [&](Index v, double distance, const auto& offer) {
+      check_();
       for (const Index w : rings_[v])
         if (offer(w, distance + (points_.row(v) - points_.row(w)).norm())) source_[w] = source_[v];
       return true;
@@ -33,6 +39,7 @@ class EdgeDistances {
  private:
   const Points& points_;
   const IndexLists& rings_;
+  SparseChecks check_;
   std::vector<double> distance_;
   std::vector<Index> source_;
   std::vector<Index> new_sources_;
@@ -42,13 +49,15 @@ class EdgeDistances {
 
 std::vector<Index> farthest_vertices(const Points& points, const IndexLists& rings,
                                      std::span<const std::uint8_t> seeds,
-                                     std::span<const std::uint8_t> candidates, Index count) {
-  EdgeDistances distances(points, rings);
+                                     std::span<const std::uint8_t> candidates, Index count,
+                                     const Context& context) {
+  EdgeDistances distances(points, rings, context);
   for (Index v = 0; v < rings.size(); ++v)
     if (seeds[v]) distances.add_source(v, 0);
   distances.update();
   std::vector<Index> chosen;
   while (true) {
+    context.throw_if_stopped();
     Index farthest = -1;
     for (Index v = 0; v < rings.size(); ++v)
       if (candidates[v] && (farthest < 0 || distances.distance(v) > distances.distance(farthest))) farthest = v;
@@ -62,9 +71,9 @@ std::vector<Index> farthest_vertices(const Points& points, const IndexLists& rin
   return chosen;
 }
 
-std::vector<Index> nearest_sample(const Points& points, const IndexLists& rings,
-                                  std::span<const Index> samples) {
-  EdgeDistances distances(points, rings);
+std::vector<Index> nearest_sample(const Points& points, const IndexLists& rings, std::span<const Index> samples,
+                                  const Context& context) {
+  EdgeDistances distances(points, rings, context);
   for (std::size_t s = 0; s < samples.size(); ++s) distances.add_source(samples[s], static_cast<Index>(s));
   distances.update();
   return distances.sources();

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -15,10 +16,11 @@ namespace meshgraft {
 /// vertex.
 std::vector<Index> farthest_vertices(const Points& points, const IndexLists& rings,
                                      std::span<const std::uint8_t> seeds,
-                                     std::span<const std::uint8_t> candidates, Index count);
+                                     std::span<const std::uint8_t> candidates, Index count,
+                                     const Context& context = {});
 
 /// Returns for each vertex the index of the nearest sample along edges, or -1 if none is connected.
-std::vector<Index> nearest_sample(const Points& points, const IndexLists& rings,
-                                  std::span<const Index> samples);
+std::vector<Index> nearest_sample(const Points& points, const IndexLists& rings, std::span<const Index> samples,
+                                  const Context& context = {});
 
 }  // namespace meshgraft

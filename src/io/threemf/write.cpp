@@ -144,6 +144,7 @@ class ThreemfComposer {
 
   void split_into_objects() {
     const Triangulation pieces = triangulate(mesh_);
+    number_.assign(static_cast<std::size_t>(mesh_.vertex_count()), none);
     SparseChecks check(context_);
     std::map<double, std::vector<Eigen::Index>> triangles_of;
     for (Eigen::Index t = 0; t < pieces.triangles.rows(); ++t) {
@@ -171,11 +172,14 @@ class ThreemfComposer {
 
   // Adds the vertices that the triangles use, in the order of the mesh.
   void add_vertices(const Triangulation& pieces, const std::vector<Eigen::Index>& triangles) {
+    for (const Index v : used_) number_[v] = none;
     used_.clear();
     for (const Eigen::Index t : triangles)
-      used_.insert(used_.end(), pieces.triangles.row(t).begin(), pieces.triangles.row(t).end());
+      for (const Index v : pieces.triangles.row(t))
+        if (std::exchange(number_[v], 0) == none) used_.push_back(v);
+    context_.throw_if_stopped();
     std::sort(used_.begin(), used_.end());
-    used_.erase(std::unique(used_.begin(), used_.end()), used_.end());
+    for (std::size_t k = 0; k < used_.size(); ++k) number_[used_[k]] = static_cast<std::uint32_t>(k);
     positions_.emplace_back(mesh_.positions(used_, Eigen::all));
     for (const Index v : used_) {
       require_in_range(mesh_.positions.row(v), v);
@@ -187,9 +191,7 @@ class ThreemfComposer {
   void add_triangle(const Eigen::Matrix<Index, 1, 3>& triangle, Index face) {
     ThreemfModel::Object& object = model_.objects.back();
     std::array<std::uint32_t, 3> corners{};
-    for (int c = 0; c < 3; ++c)
-      corners[c] =
-          static_cast<std::uint32_t>(std::lower_bound(used_.begin(), used_.end(), triangle[c]) - used_.begin());
+    for (int c = 0; c < 3; ++c) corners[c] = number_[triangle[c]];
     object.triangles.push_back(corners);
     if (material_ != nullptr) {
       const double value = material_->values[face];
@@ -255,6 +257,8 @@ class ThreemfComposer {
   ThreemfModel model_;
   std::vector<Points> positions_;  // per object, in full precision
   std::vector<Index> used_;        // vertices of the current object
+  static constexpr auto none = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number_;  // by vertex of the mesh: its number in the current object, or none
 };
 
 }  // namespace
