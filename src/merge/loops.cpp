@@ -54,6 +54,18 @@ class MeshLoops {
     return turned;
   }
 
+  std::vector<std::size_t> usable() const {
+    std::vector<std::size_t> numbers;
+    for (std::size_t l = 0; l < loops_.size(); ++l) {
+      try {
+        require_loop(loops_[l], {});
+        numbers.push_back(l);
+      } catch (const Error&) {
+      }
+    }
+    return numbers;
+  }
+
  private:
   void require_on_one_loop(Index v, const Location& location) const {
     if (v < 0 || v >= mesh_.vertex_count())
@@ -74,11 +86,12 @@ class MeshLoops {
         throw Error(facts::merge::VertexNotFinite{.side = side_, .vertex = loop[i]}, location);
     }
     const double size = points.cwiseAbs().maxCoeff();
+    const double extent = (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff();
     constexpr double least = 1e-60, most = 1e60;  // keeps squares and cubes of lengths in range
-    if (LoopCurve(points).length() > 0 && !(LoopCurve(points).length() > least && size < most))
+    if (extent > 0 && !(extent > least && size < most))
       throw Error(
           facts::merge::LoopLengthOutOfRange{
-              .side = side_, .vertex = loop.front(), .length = LoopCurve(points).length(), .coordinate = size},
+              .side = side_, .vertex = loop.front(), .length = 2 * extent, .coordinate = size},
           location);
     if (!(LoopCurve(points).length() > 1e-12 * size))
       throw Error(facts::merge::LoopWithoutLength{.side = side_, .vertex = loop.front()}, location);
@@ -94,6 +107,10 @@ class MeshLoops {
 
 Location pair_location(std::size_t pair, std::size_t count) {
   return count == 1 ? Location() : Location::pair(pair);
+}
+
+std::vector<std::size_t> usable_loops(const Mesh& mesh) {
+  return MeshLoops(mesh, facts::merge::Side::target).usable();
 }
 
 std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs) {

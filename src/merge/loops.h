@@ -22,6 +22,10 @@ std::vector<LoopPair> checked_loops(const Mesh& target, const Mesh& source, std:
 /// simple loop.
 std::vector<Index> checked_loop(const Mesh& mesh, facts::merge::Side side, const std::vector<Index>& listed);
 
+/// Returns the numbers of the `boundary_loops` that are simple, finite and of a usable length. Others are
+/// refused.
+std::vector<std::size_t> usable_loops(const Mesh& mesh);
+
 /// Throws Error(input) with the id merge.component_without_pair for the first component of the source that no
 /// pair constrains.
 void require_held_components(const Mesh& source, std::span<const LoopPair> pairs);

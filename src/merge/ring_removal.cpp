@@ -86,7 +86,9 @@ class Rings {
         if (loop_of_[tail] != number || loop_of_[head] != number) return {};  // another boundary
         continue;
       }
-      const Index beyond = ring_of_[face_of_[along[0] == c ? along[1] : along[0]]];
+      const Index other = along[0] == c ? along[1] : along[0];
+      if (mesh_.faces.corners()[other] == tail) return {};  // oriented inconsistently
+      const Index beyond = ring_of_[face_of_[other]];
       if (beyond == number) continue;
       if (beyond != no_ring || on_border_[head] || !next.emplace(head, tail).second) return {};
     }

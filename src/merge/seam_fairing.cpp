@@ -152,7 +152,10 @@ void fair(Points& points, const Band& band, const Eigen::VectorXd& wanted, const
   // A vertex without a normal, or amid triangles without area, has no equation. This term keeps it in place.
   constexpr double attachment = 1e-9;
   const double scale = lower.diagonal().maxCoeff();
-  lower.diagonal().array() += scale > 0 ? attachment * scale : 1.0;
+  NormalMatrix identity(lower.rows(),
+                        lower.cols());  // such a vertex has no entry in `lower`, not even on its diagonal
+  identity.setIdentity();
+  lower += (scale > 0 ? attachment * scale : 1.0) * identity;
   const auto solver = make_solver();
   solver->analyse(lower, {}, context);
   solver->factorise(lower, context);

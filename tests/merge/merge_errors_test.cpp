@@ -18,6 +18,7 @@
 
 #include "merge/cut_halves.h"
 #include "merge/grafts.h"
+#include "mesh/shapes.h"
 #include "mesh/winding.h"
 #include "support/scene_edits.h"
 
@@ -247,6 +248,41 @@ TEST(Merge, TellsWhenAKeptPoseDrawsOutANeck) {
                                       [](const Note& note) { return note.id() == "merge.source_stretched"; });
   ASSERT_NE(drawn_out, told.end());
   EXPECT_THAT(drawn_out->text(), testing::HasSubstr("is 5 times the radius of the target's away"));
+}
+
+// Merges where nobody would: the target's faces have no area, or one face near its loop is turned over. Each
+// ends with a closed seam or with an error that names the mesh, and damages nothing.
+TEST(MergeErrors, DamagedTargetsEndInASeamOrAnError) {
+  const Mesh source = peg(4, 12);
+  const Mesh line = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {{0, 1, 2, 3}});
+  const Mesh strip = shapes::polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  const Mesh tube = shapes::tube(8, 5, true);
+  std::vector<Mesh> targets{line, strip, shapes::together({shapes::grid(4, 4), line})};
+  for (Index flipped = 1; flipped < 32; flipped += 3) {
+    Mesh target = tube;
+    target.faces = {};
+    for (Index f = 0; f < tube.face_count(); ++f) {
+      std::vector<Index> face(tube.faces[f].begin(), tube.faces[f].end());
+      if (f == flipped) std::ranges::reverse(face);
+      target.faces.push_back(face);
+    }
+    targets.push_back(std::move(target));
+  }
+  int merged = 0;
+  for (const Mesh& target : targets)
+    for (const MergePose pose : {MergePose::find, MergePose::keep}) {
+      const std::vector<Index> loop = boundary_loops(target).back();
+      const Graft graft{
+          "damaged", target, source, {{{boundary_loops(source).at(0), loop}, {{0, loop.front()}}}}};
+      try {
+        const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, {.pose = pose});
+        EXPECT_TRUE(result.mesh.positions.allFinite());
+        ++merged;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::input) << error.what();
+      }
+    }
+  EXPECT_GT(merged, 10);
 }
 
 }  // namespace
