@@ -4,6 +4,8 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,6 +25,7 @@
 #include "commands.h"
 #include "exit_status.h"
 #include "findings.h"
+#include "merge/loops.h"
 #include "script/fact_json.h"
 #include "wording.h"
 
@@ -51,18 +54,29 @@ struct Uses {
   std::size_t all_loops = 0;
 };
 
-bool is_sound(const Mesh& mesh, const Diagnostics& diagnostics, const std::vector<Index>& loop) {
-  if (std::any_of(loop.begin(), loop.end(), [&](Index v) { return !mesh.positions.row(v).allFinite(); }))
-    return false;
+// Returns the numbers of the boundary loops that a merge can use. A merge takes away the ring of faces at a
+// target's loop, so these must be sound, too.
+std::vector<std::size_t> mergeable_loops(const Mesh& mesh, const Diagnostics& diagnostics,
+                                         const std::vector<std::vector<Index>>& loops) {
+  const auto none = loops.size();
+  std::vector<std::size_t> loop_at(static_cast<std::size_t>(mesh.vertex_count()), none);
+  for (std::size_t k = 0; k < loops.size(); ++k)
+    for (const Index v : loops[k]) loop_at[v] = k;
+  Flags unsound(mesh.vertex_count(), false);
   for (const FindingKind kind :
-       {FindingKind::non_manifold_edge, FindingKind::non_manifold_vertex, FindingKind::inconsistent_winding}) {
-    const Finding* finding = diagnostics.find(kind);
-    if (finding && std::any_of(loop.begin(), loop.end(), [&](Index v) {
-          return std::binary_search(finding->indices.begin(), finding->indices.end(), v);
-        }))
-      return false;
+       {FindingKind::non_manifold_edge, FindingKind::non_manifold_vertex, FindingKind::inconsistent_winding})
+    if (const Finding* finding = diagnostics.find(kind))
+      for (const Index v : finding->indices) unsound[v] = true;
+  Flags refused(static_cast<Index>(loops.size()), false);
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.faces[f];
+    if (std::ranges::any_of(face, [&](Index v) { return v >= 0 && v < mesh.vertex_count() && unsound[v]; }))
+      for (const Index v : face)
+        if (v >= 0 && v < mesh.vertex_count() && loop_at[v] != none) refused[loop_at[v]] = true;
   }
-  return true;
+  std::vector<std::size_t> numbers = usable_loops(mesh);
+  std::erase_if(numbers, [&](std::size_t k) { return refused[k]; });
+  return numbers;
 }
 
 Uses uses_of(const Mesh& mesh, const Diagnostics& diagnostics) {
@@ -76,8 +90,7 @@ Uses uses_of(const Mesh& mesh, const Diagnostics& diagnostics) {
   uses.components = static_cast<std::size_t>(summarise_topology(mesh).components);
   const auto loops = boundary_loops(mesh);
   uses.all_loops = loops.size();
-  for (std::size_t k = 0; k < loops.size(); ++k)
-    if (is_sound(mesh, diagnostics, loops[k])) uses.loops.push_back(k);
+  uses.loops = mergeable_loops(mesh, diagnostics, loops);
   return uses;
 }
 
@@ -101,18 +114,48 @@ std::string uses_text(const Uses& uses) {
   return deform + "; " + merge;
 }
 
-// Returns the command that mends a mesh file.
+// Returns a word as a POSIX shell reads it, in quotation marks where it needs them.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+./,:@%";
+  if (!word.empty() && word.front() != '-' && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word)
+    if (c == '\'')
+      quoted += "'\\''";
+    else
+      quoted += c;
+  return quoted + "'";
+}
+
+// Returns the command that mends a mesh file. Its output is a PLY file where the input's name has no known
+// extension.
 std::string repair_command(const std::filesystem::path& mesh) {
-  return fmt::format("meshgraft repair {} -o {}_repaired{}", mesh.string(), mesh.stem().string(),
-                     mesh.extension().string());
+  const std::filesystem::path input = mesh.native().starts_with('-') ? "." / mesh : mesh;
+  std::string extension = mesh.extension().string();
+  try {
+    require_mesh_format(mesh);
+  } catch (const Error&) {
+    extension = ".ply";  // the content alone tells the format
+  }
+  std::filesystem::path output = input.filename().stem();
+  output += "_repaired" + extension;
+  if (output.native().starts_with('-')) output = "." / output;
+  return fmt::format("meshgraft repair {} -o {}", shell_word(input.string()), shell_word(output.string()));
 }
 
 // Openings may be meant. Closing them is a choice and mends nothing.
 bool is_choice(const RepairChange& change) { return change.kind == RepairChangeKind::filled_hole; }
 
-// Returns the changes that a repair would make.
-std::vector<RepairChange> repairs_of(const Mesh& mesh, const Context& context) {
-  return mesh.face_count() == 0 ? std::vector<RepairChange>() : repair(mesh, {}, context).changes;
+// What a repair would change, and whether it would leave a face.
+struct RepairTrial {
+  std::vector<RepairChange> changes;
+  bool leaves_faces = false;
+};
+
+RepairTrial try_repair(const Mesh& mesh, const Context& context) {
+  if (mesh.face_count() == 0) return {};
+  RepairResult result = repair(mesh, {}, context);
+  return {std::move(result.changes), result.mesh.face_count() > 0};
 }
 
 // Returns the number of pairs of triangles that intersect; nothing for a mesh with too many triangles.
@@ -142,13 +185,14 @@ Json changes_json(const std::vector<RepairChange>& changes) {
 struct CheckedMesh {
   Mesh mesh;
   Diagnostics diagnostics;
-  std::vector<RepairChange> changes;  // what a repair would change
+  RepairTrial repair;
   std::optional<std::int64_t> intersections;
   Uses uses;
 
   // Whether a repair would mend something.
   bool repairable() const {
-    return mesh.face_count() > 0 && (diagnostics.has_defects() || !std::ranges::all_of(changes, is_choice));
+    return mesh.face_count() > 0 &&
+           (diagnostics.has_defects() || !std::ranges::all_of(repair.changes, is_choice));
   }
   bool clean() const { return mesh.face_count() > 0 && !repairable(); }
 };
@@ -156,7 +200,7 @@ struct CheckedMesh {
 CheckedMesh check(Mesh mesh, bool intersections, const Context& context) {
   CheckedMesh checked{.mesh = std::move(mesh)};
   checked.diagnostics = check_mesh(checked.mesh, context);
-  checked.changes = repairs_of(checked.mesh, context);
+  checked.repair = try_repair(checked.mesh, context);
   checked.intersections = self_intersections_of(checked.mesh, intersections, context);
   checked.uses = uses_of(checked.mesh, checked.diagnostics);
   return checked;
@@ -164,11 +208,11 @@ CheckedMesh check(Mesh mesh, bool intersections, const Context& context) {
 
 // Adds what was found out about a mesh to `json`.
 void add_to(Json& json, const CheckedMesh& checked) {
-  const auto& [mesh, diagnostics, changes, intersections, uses] = checked;
+  const auto& [mesh, diagnostics, repair, intersections, uses] = checked;
   json["clean"] = checked.clean();
   json["counts"] = {{"vertices", mesh.vertex_count()}, {"faces", mesh.face_count()}};
   json["findings"] = Json::parse(write_diagnostics(diagnostics, text_of));
-  json["repair"] = changes_json(changes);
+  json["repair"] = changes_json(repair.changes);
   json["self_intersections"] = intersections ? Json(*intersections) : Json(nullptr);
   json["components"] = uses.components;
   json["deform"] = uses.deform ? "everywhere" : uses.deform_beyond ? "partly" : "no";
@@ -191,18 +235,20 @@ void print_changes(const std::vector<RepairChange>& changes) {
 
 // Prints what was found out about the mesh `name`. `file` is where it was read; empty for a sample.
 void print(const std::string& name, const std::filesystem::path& file, const CheckedMesh& checked) {
-  const auto& [mesh, diagnostics, changes, intersections, uses] = checked;
+  const auto& [mesh, diagnostics, repair, intersections, uses] = checked;
   fmt::print("{}: {} vertices, {} faces\n", name, mesh.vertex_count(), mesh.face_count());
   if (mesh.face_count() == 0)
     print_line("findings", "no faces: there is no surface to edit");
   else
     print_findings(diagnostics, "findings");
-  print_changes(changes);
+  print_changes(repair.changes);
   if (!intersections)
     print_line("intersects", "not searched among so many triangles: --intersections does it");
   else if (*intersections > 0)
     print_line("intersects", fmt::format("{} pairs of triangles of the surface intersect", *intersections));
-  if (checked.repairable() && !file.empty()) print_line("to mend", repair_command(file));
+  if (checked.repairable() && !file.empty())
+    print_line("to mend",
+               repair.leaves_faces ? repair_command(file) : "make it anew: a repair would leave no face");
   print_line("as it is", uses_text(uses));
   for (const Note& note : notes_on_files(mesh)) print_line("note", sentence(note));
 }

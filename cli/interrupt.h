@@ -6,7 +6,7 @@
 
 namespace meshgraft::cli {
 
-/// Turns Ctrl-C (and SIGTERM) into a stop request. A second one ends the program at once.
+/// Turns Ctrl-C (and SIGTERM and SIGHUP) into a stop request. A second one ends the program at once.
 class Interrupt {
  public:
   Interrupt();

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -57,6 +58,14 @@ void require_printed() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw Error(facts::cli::CannotPrint{});
 }
 
+// Refuses empty values, as of -o "$UNSET". Throws Error(usage) that names the option.
+void require_values(const CLI::App& program) {
+  for (const CLI::App* command : program.get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      if (std::ranges::find(option->results(), std::string()) != option->results().end())
+        throw Error(facts::cli::EmptyValue{}, Location::place(option->get_name()));
+}
+
 // Prints help or the version, which the parser throws, too. Throws Error(usage) for its other exceptions.
 void end_parsing(const CLI::App& program, const CLI::ParseError& end) {
   if (end.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
@@ -89,6 +98,7 @@ int run_program(CLI::App& program, int argc, char** argv) {
   try {
     add_commands(program, action);
     program.parse(argc, argv);
+    require_values(program);
     run(action);
   } catch (const CLI::ParseError& end) {
     end_parsing(program, end);

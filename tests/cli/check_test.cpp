@@ -49,6 +49,29 @@ TEST_F(CommandLine, CheckNamesWhatARepairChanges) {
   EXPECT_EQ(run("check scan.ply").status, 0);
 }
 
+// The command that a check prescribes works as it is, whatever the file is called.
+TEST_F(CommandLine, CheckPrescribesACommandThatWorks) {
+  write_mesh(with_t_junctions(shapes::torus(12, 8, true), 3, 1), folder_ / "scan.ply");
+  for (const std::string name : {"my $(scan).ply", "it's.ply", "-scan.ply", "scan.txt", "scan"}) {
+    SCOPED_TRACE(name);
+    std::filesystem::copy_file(folder_ / "scan.ply", folder_ / name);
+    const Outcome check = run("check \"./" + (name[0] == 'm' ? "my \\$(scan).ply" : name) + "\"");
+    const std::string label = "to mend     meshgraft ";
+    const std::size_t begin = check.out.find(label);
+    ASSERT_NE(begin, std::string::npos) << check.out;
+    const std::size_t at = begin + label.size();
+    const Outcome repair = run(check.out.substr(at, check.out.find('\n', at) - at));
+    EXPECT_EQ(repair.status, 0) << repair.err;
+  }
+}
+
+TEST_F(CommandLine, CheckNamesNoRepairThatLeavesNothing) {
+  write_mesh(shapes::polygons({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}), folder_ / "line.ply");
+  const Outcome check = run("check line.ply");
+  EXPECT_EQ(check.status, 3);
+  EXPECT_NE(check.out.find("a repair would leave no face"), std::string::npos) << check.out;
+}
+
 // Openings may be meant, and intersections keep no command from working.
 TEST_F(CommandLine, CheckTellsOfOpeningsAndIntersections) {
   write_mesh(without_faces(shapes::torus(40, 20, true), 1, 0, 1), folder_ / "open.ply");
