@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
 
 #include "core/platform/file.h"
 #include "editor/facts.h"
@@ -94,6 +95,7 @@ Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads)
   std::vector<fs::path> folders, models;
   for (const fs::path& model : options.models) {
     require_file(model, model);
+    if (model.extension() != ".json") require_mesh_format(model);
     models.push_back(fs::absolute(model).lexically_normal());
     folders.push_back(models.back().parent_path());
   }
@@ -102,6 +104,8 @@ Shared shared_by_sessions(const EditorOptions& options, const fs::path& uploads)
   for (const std::string& origin : options.frame_origins)
     if (!is_origin(origin)) throw Error(facts::editor::NotAnOrigin{.text = origin});
   const fs::path result = options.result.empty() ? fs::path() : fs::absolute(options.result).lexically_normal();
+  if (!result.empty() && !fs::is_directory(result.parent_path()))
+    throw Error(facts::editor::NoSuchFolder{}, result.parent_path());
   return {Folders(folders), std::move(models), uploads, result, {}};
 }
 

@@ -120,7 +120,12 @@ std::optional<JournalContent> read_journal(std::string_view text, const fs::path
 
 Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (!open(false)) return;
-  found_ = read_journal(read_file(path_), path_.parent_path());
+  const std::string text = read_file(path_);
+  found_ = read_journal(text, path_.parent_path());
+  if (!found_ && !text.empty()) {
+    unreadable_ = set_aside();
+    return;
+  }
   if (found_ && found_->changes > 0 && !found_->saved) return;
   if (found_) require_written(file_.resize(0), path_);  // all of it is saved: it is removed with this session
   found_.reset();

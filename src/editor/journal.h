@@ -51,6 +51,9 @@ class Journal {
 
   /// Changes that an earlier session left and that are not in an edit file.
   const std::optional<JournalContent>& found() const { return found_; }
+  /// The new path of a journal that was found and put aside because not even its first line can be read, as
+  /// that of a later version; empty if there was none.
+  const std::filesystem::path& unreadable() const { return unreadable_; }
   /// Continues the journal that was found.
   void take_up();
   /// Renames the journal that was found, so that it is kept but no longer used. Returns its new path.
@@ -74,7 +77,7 @@ class Journal {
   void start(const std::string& first);
   void write_line(const Json& line);
 
-  std::filesystem::path stem_, path_;
+  std::filesystem::path stem_, path_, unreadable_;
   platform::File file_;
   bool started_ = false, saved_ = true;
   Json first_saved_;  ///< the line of `mark_saved` where that came before the first change; null: none

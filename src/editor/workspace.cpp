@@ -124,7 +124,10 @@ Workspace::Workspace(Document document, Source source, const Folders& folders, c
 }
 
 void Workspace::keep_journal() {
-  if (!source_.journal.empty()) journal_ = std::make_unique<Journal>(source_.journal);
+  if (source_.journal.empty()) return;
+  journal_ = std::make_unique<Journal>(source_.journal);
+  if (const fs::path& aside = journal_->unreadable(); !aside.empty())
+    outbox_.tell("notice", {{"error", error_json(Error(facts::editor::JournalUnreadable{}, aside))}});
 }
 
 Document Workspace::checked(Document document) const {

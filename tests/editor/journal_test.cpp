@@ -162,6 +162,23 @@ TEST(Journal, KeepsWhatIsPutAside) {
   EXPECT_EQ(editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"))->changes, 1u);
 }
 
+TEST(Journal, PutsAsideWhatItCannotRead) {
+  const Recorded recorded = record();
+  std::string later = recorded.text, damaged = recorded.text;
+  later.replace(later.find("\"version\":1"), 11, "\"version\":2");
+  damaged[0] = 'x';
+  for (const std::string& text : {later, damaged, std::string("garbage"), std::string(3, '\0')}) {
+    const TemporaryFolder folder;
+    folder.file("bar.ply.meshgraft-session", text);
+    Journal journal(folder / "bar.ply");
+    EXPECT_FALSE(journal.found());
+    journal.add("first", recorded.documents[0], recorded.documents[1]);
+    ASSERT_EQ(journal.unreadable(), folder / "bar.ply.meshgraft-session.aside-1");
+    EXPECT_EQ(read_file(journal.unreadable()), text);
+    EXPECT_EQ(editor::read_journal(read_file(folder / "bar.ply.meshgraft-session"))->changes, 1u);
+  }
+}
+
 TEST(Journal, TellsTheEditFileThatWasWrittenLast) {
   const Recorded recorded = record();
   const TemporaryFolder folder;
