@@ -281,7 +281,7 @@ TEST(PlatformProcessor, SaysWhatTheSystemSays) {
 #endif
 
 TEST(PlatformInterrupt, EachRequestToEndIsPassedOnAndEndsNothing) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::array<std::promise<void>, 3> passed_on;
     std::size_t next = 0;
     const platform::InterruptWatch watch([&] { passed_on.at(next++).set_value(); });

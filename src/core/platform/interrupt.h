@@ -5,8 +5,8 @@
 
 namespace meshgraft::platform {
 
-/// Calls a function, on a thread of its own, each time the program is asked to end, by Ctrl-C or, where it
-/// exists, SIGTERM. At most one instance exists at a time. Without an instance such a request ends the
+/// Calls a function, on a thread of its own, each time the program is asked to end, by Ctrl-C or, where they
+/// exist, SIGTERM and SIGHUP. At most one instance exists at a time. Without an instance such a request ends the
 /// program.
 class InterruptWatch {
  public:

@@ -17,6 +17,15 @@ namespace {
 std::array<int, 2> signal_pipe{-1, -1};
 constexpr char signalled = 's', finished = 'f';
 
+// The signals that ask the program to end. A terminal that closes sends SIGHUP.
+constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
+
+// `nohup` starts programs that are to outlast their terminal.
+bool outlasts_terminal() {
+  struct sigaction action{};
+  return sigaction(SIGHUP, nullptr, &action) == 0 && action.sa_handler == SIG_IGN;
+}
+
 void on_signal(int) {
   const int saved = errno;
   [[maybe_unused]] const auto written = ::write(signal_pipe[1], &signalled, 1);
@@ -43,13 +52,13 @@ InterruptWatch::InterruptWatch(std::function<void()> on_interrupt) : on_interrup
   struct sigaction action{};
   action.sa_handler = on_signal;
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : signals)
+    if (signal != SIGHUP || !outlasts_terminal()) sigaction(signal, &action, nullptr);
 }
 
 InterruptWatch::~InterruptWatch() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  for (const int signal : signals)
+    if (signal != SIGHUP || !outlasts_terminal()) std::signal(signal, SIG_DFL);
   [[maybe_unused]] const auto written = ::write(signal_pipe[1], &finished, 1);
   watcher_.join();
   ::close(signal_pipe[0]);
