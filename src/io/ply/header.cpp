@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <string>
+#include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include <meshgraft/core/error.h>
@@ -136,8 +139,7 @@ class HeaderParser {
 
   void parse_element(const std::vector<std::string_view>& words) {
     if (words.size() != 3) fail(facts::io::MalformedLine{.keyword = "element", .form = "element NAME COUNT"});
-    for (const PlyElement& element : header_.elements)
-      if (element.name == words[1]) fail(facts::io::DuplicateElement{.element = element.name});
+    if (!names_.emplace(words[1]).second) fail(facts::io::DuplicateElement{.element = std::string(words[1])});
     // Counts beyond 2^31 fit neither meshgraft's indices nor any memory.
     const ParsedNumber count = parse_number(words[2], ScalarType::int32);
     if (count.fault != NumberFault::none || count.value < 0)
@@ -203,6 +205,7 @@ class HeaderParser {
   std::size_t offset_ = 0;
   std::size_t line_begin_ = 0;
   PlyHeader header_;
+  std::unordered_set<std::string_view> names_;  // of the elements
 };
 
 }  // namespace
