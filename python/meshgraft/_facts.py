@@ -54,7 +54,7 @@ class Error(Exception):
 
     def __reduce__(self) -> tuple[object, ...]:
         return _remake, (type(self), self.message, self.id, self.fields, self.location, self.problem, self.remedy,
-                         self.notes)
+                         self.notes, getattr(self, "filename", None))
 
 
 class InputError(Error, ValueError):
@@ -126,6 +126,8 @@ _FILE_ERRORS: dict[str, tuple[int, type[FileError]]] = {
     "io.no_permission": (errno.EACCES, PermissionFileError),
     "io.file_exists": (errno.EEXIST, ExistingFileError),
     "io.is_folder": (errno.EISDIR, FolderError),
+    "io.name_with_nul": (errno.EINVAL, FileError),
+    "io.not_a_file": (errno.EINVAL, FileError),
     "io.not_a_folder": (errno.ENOTDIR, NoFolderError),
     "io.disk_full": (errno.ENOSPC, FileError),
     "io.file_too_large": (errno.EFBIG, FileError),
@@ -138,15 +140,15 @@ _FILE_ERRORS: dict[str, tuple[int, type[FileError]]] = {
 
 
 def _remake(kind: type[Error], message: str, id: str, fields: Mapping[str, FactValue], location: str, problem: str,
-            remedy: str, notes: tuple[Note, ...]) -> Error:
+            remedy: str, notes: tuple[Note, ...], file: str | None) -> Error:
     error = kind(message, id=id, fields=fields, location=location, problem=problem, remedy=remedy, notes=notes)
     if isinstance(error, FileError) and id in _FILE_ERRORS:
-        error.errno, error.filename, error.strerror = _FILE_ERRORS[id][0], location or None, problem
+        error.errno, error.filename, error.strerror = _FILE_ERRORS[id][0], file, problem
     return error
 
 
 def make_error(code: str, id: str, fields: Mapping[str, FactValue], location: str, problem: str, remedy: str,
-               notes: tuple[Note, ...], message: str) -> Error:
-    """Returns the exception of an error of the extension module."""
+               notes: tuple[Note, ...], message: str, file: str | None) -> Error:
+    """Returns the exception of an error of the extension module. `file` is the innermost file of the location."""
     kind = _FILE_ERRORS[id][1] if id in _FILE_ERRORS else _CLASSES.get(code, Error)
-    return _remake(kind, message, id, fields, location, problem, remedy, notes)
+    return _remake(kind, message, id, fields, location, problem, remedy, notes, file)

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <exception>
+#include <ranges>
+#include <stdexcept>
 #include <string>
+#include <typeinfo>
 #include <variant>
 
 #include "python/facts.h"
@@ -27,6 +30,13 @@ nb::dict fields_of(const Fact& fact) {
   return fields;
 }
 
+/// Returns the name of the innermost file of a location, or None.
+nb::object innermost_file(const Location& location) {
+  const auto parts = location.parts() | std::views::reverse;
+  const auto file = std::ranges::find(parts, LocationPart::Kind::file, &LocationPart::kind);
+  return file == parts.end() ? nb::none() : to_python(file->name);
+}
+
 }  // namespace
 
 FactText text_of(const Fact& fact) {
@@ -46,19 +56,26 @@ nb::object exception_of(const Error& error) {
   const FactText text = text_of(error.fact());
   nb::list notes;
   for (const Note& note : error.notes()) notes.append(to_python(note));
-  return class_of("meshgraft._facts", "make_error")(to_python(to_string(error.code())), to_python(error.id()),
-                                                    fields_of(error.fact()), to_python(error.location().text()),
-                                                    to_python(text.statement), to_python(text.remedy),
-                                                    nb::tuple(notes), to_python(sentence(error, text_of)));
+  return class_of("meshgraft._facts", "make_error")(
+      to_python(to_string(error.code())), to_python(error.id()), fields_of(error.fact()),
+      to_python(error.location().text()), to_python(text.statement), to_python(text.remedy), nb::tuple(notes),
+      to_python(sentence(error, text_of)), innermost_file(error.location()));
 }
 
 void translate_errors() {
   nb::register_exception_translator([](const std::exception_ptr& pointer, void*) {
+    const auto set = [](const Error& error) {
+      const nb::object exception = exception_of(error);
+      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(exception.ptr())), exception.ptr());
+    };
     try {
       std::rethrow_exception(pointer);
     } catch (const Error& error) {
-      const nb::object exception = exception_of(error);
-      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(exception.ptr())), exception.ptr());
+      set(error);
+    } catch (const std::bad_cast&) {
+      PyErr_SetString(PyExc_ValueError, "a text is not valid Unicode, or a value is of another type");
+    } catch (const std::logic_error&) {
+      set(current_error());  // a bug
     }
   });
 }

@@ -120,6 +120,11 @@ def test_errors_have_ids_and_places(bar, ends, tmp_path):
     copied = pickle.loads(pickle.dumps(error))
     assert (type(copied), str(copied), copied.errno, copied.filename) == (
         type(error), str(error), error.errno, error.filename)
+    with pytest.raises(FileNotFoundError) as caught:
+        mg.Edit().input("bar", tmp_path / "gone.ply").deform("bar", handles=ends).run()
+    assert caught.value.filename == str(tmp_path / "gone.ply") and "inputs.bar" in caught.value.location
+    with pytest.raises(ValueError, match="Unicode"):
+        mg.deform(bar, handles=ends, method="\udcff")
     with pytest.raises(IsADirectoryError):
         mg.read(tmp_path)
     (tmp_path / "file").write_text("")
