@@ -300,12 +300,14 @@ void check_edit_file(const CheckArguments& arguments, const Context& context) {
     json["clean"] = clean;
     json["inputs"] = inputs;
     json["runs"] = !failure;
+    json["notes"] = to_json(edit.notes, text_of);
     json["error"] = failure ? Json{{"id", failure->id()}, {"text", sentence(*failure)}} : Json(nullptr);
     fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
   } else {
     fmt::print("{}: {} {}\n", arguments.file.string(), edit.steps.size(),
                edit.steps.size() == 1 ? "step" : "steps");
     print_line("as it is", failure ? "fails: " + sentence(*failure) : "runs");
+    for (const Note& note : edit.notes) print_line("note", sentence(note));
   }
   if (failure) throw Answer{exit_status(failure->code())};
   if (!clean) throw Answer{exit_status(ErrorCode::input)};

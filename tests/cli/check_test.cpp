@@ -7,6 +7,7 @@
 
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/repair.h>
+#include <meshgraft/script/edit_file.h>
 
 #include "command_line.h"
 #include "mesh/shapes.h"
@@ -70,6 +71,25 @@ TEST_F(CommandLine, CheckNamesNoRepairThatLeavesNothing) {
   const Outcome check = run("check line.ply");
   EXPECT_EQ(check.status, 3);
   EXPECT_NE(check.out.find("a repair would leave no face"), std::string::npos) << check.out;
+}
+
+// Notes on the file itself, such as one that other methods made it, are no defects.
+TEST_F(CommandLine, CheckTellsOfAnEditMadeWithOtherMethods) {
+  const auto made_with = [&](int methods) {
+    std::string text = edit();
+    text.insert(text.find("\"inputs\""),
+                R"("made_with": {"version": "0.0.1", "methods": )" + std::to_string(methods) + "}, ");
+    write("made.json", text);
+    return json::parse(run("check made.json --json").out);
+  };
+  const json notes = made_with(1000)["notes"];
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0]["id"], "script.other_methods");
+  const Outcome outcome = run("check made.json");
+  EXPECT_EQ(outcome.status, 0) << outcome.out;
+  EXPECT_NE(outcome.out.find("note        the edit was made with meshgraft 0.0.1"), std::string::npos)
+      << outcome.out;
+  EXPECT_EQ(made_with(current_methods)["notes"], json::array());
 }
 
 // Openings may be meant, and intersections keep no command from working.

@@ -33,6 +33,27 @@ test("a file of another format than its name says is opened, and told of by the 
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
+test("an edit that other methods made is opened, and told of", async () => {
+  harness = await EditorHarness.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
+  const { user, folder } = harness;
+  const edit = {
+    format: "meshgraft-edit",
+    version: 2,
+    made_with: { version: "0.0.1", methods: 1000 },
+    inputs: { bust: { file: "bust.ply" } },
+    steps: [{ kind: "deform", mesh: "bust" }],
+  };
+  writeFileSync(folder.file("old.json"), JSON.stringify(edit));
+  await user.page.evaluate(async (path) => {
+    await window.meshgraft.editor.open({ do: "open", path });
+  }, folder.file("old.json"));
+  await user.opened();
+  const told = user.page.getByRole("log", { name: "Messages" }).getByRole("status");
+  await told.waitFor();
+  expect(await told.innerText()).toContain("The edit was made with meshgraft 0.0.1");
+  await user.screenshot("opening-other-methods");
+}, 120_000);
+
 test("a dropped file keeps its name, and its defects are told until that is dismissed", async () => {
   harness = await EditorHarness.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
   const { user, folder } = harness;
