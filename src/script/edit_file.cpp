@@ -57,9 +57,19 @@ void note_former_words(const Value& step, std::vector<Note>& notes) {
         .location = settings.location().text(), .former = former_fairings, .name = "fairings"});
 }
 
+// Returns a version, which notes and messages show as it is.
+std::string parse_version(const Value& value) {
+  const std::string& version = value.string();
+  constexpr std::size_t most = 64;
+  const auto is_printable = [](char c) { return c >= ' ' && c <= '~'; };
+  if (version.empty() || version.size() > most || !std::ranges::all_of(version, is_printable))
+    value.fail(facts::script::NotAVersion{.most = most});
+  return version;
+}
+
 MadeWith parse_made_with(const Value& value) {
   const Object fields(value, {"version", "methods"});
-  return {fields.required("version").string(),
+  return {parse_version(fields.required("version")),
           static_cast<int>(fields.required("methods").integer_in(1, std::numeric_limits<int>::max()))};
 }
 

@@ -145,6 +145,27 @@ TEST(MadeWith, AsPublishedGivesNone) {
   EXPECT_TRUE(run_edit(bend_with("{}", other), published).report.notes.empty());
 }
 
+TEST(MadeWith, TheVersionIsAShortPrintableText) {
+  const auto edit_by = [](const std::string& version) {
+    return bend_with("{}", R"("made_with": {"version": ")" + version + R"(", "methods": 1},)");
+  };
+  EXPECT_EQ(edit_by(std::string(64, 'v')).made_with->version.size(), 64U);
+  EXPECT_EQ(edit_by("0.2.0-rc.1 (~)").made_with->version, "0.2.0-rc.1 (~)");
+  for (const std::string& version :
+       {std::string(), std::string(65, 'v'), std::string("\\u001b[2J"), std::string("0.1\\n0.2"),
+        std::string("\xc3\xa4"), std::string("\\u007f")}) {
+    SCOPED_TRACE(version);
+    try {
+      edit_by(version);
+      ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.id(), "script.not_a_version");
+      EXPECT_NE(std::string(error.what()).find("made_with.version: expected a version"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST(MadeWith, IsWrittenAsItIs) {
   EditFile edit = bend_with("{}", made_with(7));
   EXPECT_NE(write_edit(edit).find(R"("made_with": {"version": "0.0.9", "methods": 7})"), std::string::npos)
