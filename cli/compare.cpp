@@ -121,8 +121,8 @@ Pictures draw(const Comparison& comparison, const View& view, const Context& con
     captions.emplace_back(to_string(outcome.method));
   }
   meshes.front() = &rest;
-  render::RenderOptions options = options_of(view);
-  if (meshes.size() > 1) options.camera = look_at_change(meshes, view, context);
+  render::RenderOptions options = options_of(view, rest);
+  if (meshes.size() > 1) look_at_change(options.camera, meshes, view, context);
   std::vector<render::Image> images = make_pictures(meshes, options, context);
   Pictures pictures;
   pictures.sheet = contact_sheet(images, captions, 4);

@@ -53,7 +53,7 @@ void check_outputs(const CutArguments& arguments) {
   require_outputs({.mesh = arguments.output, .picture = arguments.picture, .report = arguments.report},
                   {arguments.mesh}, {}, arguments.force);
 #ifdef MESHGRAFT_HAS_RENDER
-  quick_options_of(arguments.view);
+  check_view(arguments.view);
 #endif
 }
 

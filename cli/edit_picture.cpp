@@ -22,7 +22,7 @@ render::Image picture_of_parts(const EditFile& edit, const Mesh& result, const V
                           [&](const EditInput& input) { return input.name == mesh_of(*merge); });
   std::vector<render::Image> images;
   std::vector<std::string> captions;
-  render::RenderOptions options = quick_options_of(view);
+  render::RenderOptions options = quick_options_of(view, result);
   const auto add = [&](const Mesh& mesh, const std::string& caption) {
     const Mesh* one = &mesh;
     images.push_back(make_pictures({&one, 1}, options, context).front());

@@ -85,7 +85,7 @@ void check_outputs(const EditRunArguments& arguments, const std::vector<Save>& s
   require_outputs(outputs, referenced_files(edit), arguments.edit, arguments.force);
   if (arguments.morph_target) require_morph_target(arguments, edit);
 #ifdef MESHGRAFT_HAS_RENDER
-  quick_options_of(arguments.view);
+  check_view(arguments.view);
 #endif
 }
 

@@ -271,7 +271,7 @@ void check_outputs(const MergeArguments& arguments, const EditFile& edit) {
                   referenced_files(edit), arguments.plain() ? std::filesystem::path() : arguments.target,
                   arguments.force);
 #ifdef MESHGRAFT_HAS_RENDER
-  quick_options_of(arguments.view);
+  check_view(arguments.view);
 #endif
 }
 

@@ -22,7 +22,9 @@ std::vector<CLI::Option*> add_view(CLI::App& command, View& view, const std::str
           ->expected(3)
           ->type_name("X Y Z")
           ->check(finite_number()),
-      command.add_option("--up", view.up, "Direction that is up in the picture (default 0 0 1)")
+      command
+          .add_option("--up", view.up,
+                      "Direction that is up (default: the axis y or z that is up in the model)")
           ->expected(3)
           ->type_name("X Y Z")
           ->check(finite_number()),
@@ -41,37 +43,53 @@ void add_picture(CLI::App& command, std::filesystem::path& picture, View& view,
   for (CLI::Option* of_view : add_view(command, view, "one that shows what changed")) of_view->needs(option);
 }
 
-render::RenderOptions options_of(const View& view) {
-  const Eigen::Map<const Eigen::Vector3d> up(view.up.data());
-  if (up.isZero(0)) throw Error(facts::cli::NoDirection{}, "--up");
+namespace {
+
+// Returns a direction of unit length.
+Eigen::Vector3d direction(const std::vector<double>& given, const char* option) {
+  const Eigen::Map<const Eigen::Vector3d> vector(given.data());
+  if (vector.isZero(0)) throw Error(facts::cli::NoDirection{}, option);
+  return vector.stableNormalized();
+}
+
+void require_not_along(const Eigen::Vector3d& from, const Eigen::Vector3d& up) {
+  if (!(up.cross(from).norm() > 1e-9)) throw Error(facts::cli::EyeAlongUp{}, "--from");
+}
+
+}  // namespace
+
+void check_view(const View& view) {
+  if (!view.up.empty()) direction(view.up, "--up");
+  if (!view.from.empty()) direction(view.from, "--from");
+  if (!view.up.empty() && !view.from.empty())
+    require_not_along(direction(view.from, "--from"), direction(view.up, "--up"));
+}
+
+render::RenderOptions options_of(const View& view, const Mesh& mesh) {
   render::RenderOptions options;
   options.width = view.width;
   options.height = view.height;
-  options.camera.up = up.stableNormalized();
-  options.camera.from_direction = render::usual_direction(options.camera.up);
-  if (view.from.empty()) return options;
-  const Eigen::Map<const Eigen::Vector3d> from(view.from.data());
-  if (from.isZero(0)) throw Error(facts::cli::NoDirection{}, "--from");
-  options.camera.from_direction = from.stableNormalized();
-  if (!(options.camera.up.cross(options.camera.from_direction).norm() > 1e-9))
-    throw Error(facts::cli::EyeAlongUp{}, "--from");
+  render::Camera& camera = options.camera;
+  camera.up = view.up.empty() ? render::up_of(mesh) : direction(view.up, "--up");
+  camera.from_direction =
+      view.from.empty() ? render::usual_direction(camera.up) : direction(view.from, "--from");
+  require_not_along(camera.from_direction, camera.up);
   return options;
 }
 
-render::RenderOptions quick_options_of(const View& view) {
-  render::RenderOptions options = options_of(view);
+render::RenderOptions quick_options_of(const View& view, const Mesh& mesh) {
+  render::RenderOptions options = options_of(view, mesh);
   options.occlusion_rays = 8;
   return options;
 }
 
-render::Camera look_at_change(std::span<const Mesh* const> meshes, const View& view, const Context& context) {
-  render::Camera camera = options_of(view).camera;
+void look_at_change(render::Camera& camera, std::span<const Mesh* const> meshes, const View& view,
+                    const Context& context) {
   if (view.from.empty())
     camera.from_direction = render::direction_to_change(*meshes.front(), *meshes.back(), camera.up, context);
   const Eigen::AlignedBox3d box = render::box_of_change(meshes);
   camera.low = box.min();
   camera.high = box.max();
-  return camera;
 }
 
 std::vector<render::Image> make_pictures(std::span<const Mesh* const> meshes,
@@ -92,8 +110,8 @@ std::vector<render::Image> make_pictures(std::span<const Mesh* const> meshes,
 
 render::Image make_comparison(const Mesh& before, const Mesh& after, const View& view, const Context& context) {
   const std::vector<const Mesh*> meshes{&before, &after};
-  render::RenderOptions options = quick_options_of(view);
-  options.camera = look_at_change(meshes, view, context);
+  render::RenderOptions options = quick_options_of(view, after);
+  look_at_change(options.camera, meshes, view, context);
   return make_picture(meshes, std::vector<std::string>{"before", "after"}, options, context);
 }
 

@@ -15,9 +15,9 @@
 namespace meshgraft::cli {
 
 /// The camera and the size of a picture, as the options of a command state them. Without `from`, the command
-/// chooses the direction.
+/// chooses the direction; without `up`, it is what the mesh's source says.
 struct View {
-  std::vector<double> from, up{0, 0, 1};
+  std::vector<double> from, up;
   int width = 1200, height = 900;
 };
 
@@ -31,15 +31,20 @@ std::vector<CLI::Option*> add_view(CLI::App& command, View& view, const std::str
 /// Adds `--picture` and the options of its view, which need it.
 void add_picture(CLI::App& command, std::filesystem::path& picture, View& view, const std::string& description);
 
-/// Returns the renderer's options. Throws Error(usage) if a direction is zero or if both are parallel.
-render::RenderOptions options_of(const View& view);
+/// Throws Error(usage) if a direction is zero, or if both are given and parallel.
+void check_view(const View& view);
+
+/// Returns the renderer's options for pictures of a mesh. Throws what `check_view` throws, and Error(usage) if
+/// the eye looks along what is up in the mesh.
+render::RenderOptions options_of(const View& view, const Mesh& mesh);
 
 /// Returns the options for pictures that accompany a result. They use fewer rays, which shows in a large
 /// picture.
-render::RenderOptions quick_options_of(const View& view);
+render::RenderOptions quick_options_of(const View& view, const Mesh& mesh);
 
-/// Returns a camera that looks at what differs between the first mesh and the others.
-render::Camera look_at_change(std::span<const Mesh* const> meshes, const View& view, const Context& context);
+/// Turns a camera to what differs between the first mesh and the others.
+void look_at_change(render::Camera& camera, std::span<const Mesh* const> meshes, const View& view,
+                    const Context& context);
 
 /// Draws one picture per mesh, all with the same camera and in the same frame: the camera's, or that of all
 /// meshes.

@@ -25,8 +25,8 @@ struct RenderArguments {
   std::uint64_t memory = 0;
 };
 
-render::RenderOptions render_options_of(const RenderArguments& arguments) {
-  render::RenderOptions options = options_of(arguments.view);
+render::RenderOptions render_options_of(const RenderArguments& arguments, const Mesh& mesh) {
+  render::RenderOptions options = options_of(arguments.view, mesh);
   options.wireframe = arguments.wireframe;
   options.smooth = !arguments.flat;
   options.ground = !arguments.no_ground;
@@ -38,7 +38,7 @@ void run_render(const RenderArguments& arguments, Context context) {
   context.memory = arguments.memory;
   require_png(arguments.output);
   require_writable(arguments.output);
-  const render::RenderOptions options = render_options_of(arguments);
+  check_view(arguments.view);
   require_not_an_input(arguments.output, arguments.meshes);
   std::vector<Mesh> meshes;
   std::vector<std::string> captions;
@@ -48,6 +48,7 @@ void run_render(const RenderArguments& arguments, Context context) {
   }
   std::vector<const Mesh*> shown;
   for (const Mesh& mesh : meshes) shown.push_back(&mesh);
+  const render::RenderOptions options = render_options_of(arguments, meshes.front());
   render::write_png(make_picture(shown, captions, options, context), arguments.output);
   fmt::print("{}\n", arguments.output.string());
 }

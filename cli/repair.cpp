@@ -153,7 +153,7 @@ void check_repair_outputs(const RepairArguments& arguments) {
                    .report = arguments.report},
                   {arguments.mesh}, {}, arguments.force);
 #ifdef MESHGRAFT_HAS_RENDER
-  quick_options_of(arguments.view);
+  check_view(arguments.view);
 #endif
 }
 

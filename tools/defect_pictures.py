@@ -207,7 +207,7 @@ def main(program, folder):
             drawing.write(mesh)
             picture = Path(folder) / f"defect_{defect.__name__}.png"
             subprocess.run([program, "render", mesh, "-o", picture, "--width", "360", "--height", "240",
-                            "--wireframe", "--flat", "--no-ground", "--from", "0.25", "-1", "0.8"],
+                            "--wireframe", "--flat", "--no-ground", "--up", "0", "0", "1", "--from", "0.25", "-1", "0.8"],
                            check=True, stdout=subprocess.DEVNULL)
             print(picture)
 

@@ -53,7 +53,7 @@ def picture(program, out, source, step, variants, view):
             edit_file.write_text(json.dumps(edit))
             subprocess.run([program, "deform", edit_file, "-o", mesh], check=True, stdout=subprocess.DEVNULL)
             meshes.append(mesh)
-        subprocess.run([program, "render", *meshes, "-o", out, "--flat", "--no-ground", *view], check=True)
+        subprocess.run([program, "render", *meshes, "-o", out, "--flat", "--no-ground", "--up", "0", "0", "1", *view], check=True)
 
 
 def ends(low, high):

@@ -48,7 +48,7 @@ def main(program, folder):
             Surface(mended).write(path, lambda distances: distances[-1] < FRAME)
         picture = Path(folder) / "repair_holes.png"
         run("render", *shown, "-o", picture, "--width", "480", "--height", "480", "--wireframe", "--no-ground",
-            "--from", "0.5", "-1", "0.35")
+            "--up", "0", "0", "1")
         print(picture)
 
 

@@ -32,15 +32,16 @@ class Picture(np.ndarray[Any, np.dtype[np.uint8]]):
 
 
 def picture(*meshes: Any, colours: Sequence[ArrayLike | None] | None = None, beside: bool = False,
-            captions: Sequence[str] = (), width: int = 900, height: int = 675, look_from: ArrayLike = (0.5, -1.0, 0.35),
-            up: ArrayLike | str = "z", bounds: ArrayLike | None = None, samples: int = 4, occlusion_rays: int = 8,
+            captions: Sequence[str] = (), width: int = 900, height: int = 675, look_from: ArrayLike | None = None,
+            up: ArrayLike | str | None = None, bounds: ArrayLike | None = None, samples: int = 4, occlusion_rays: int = 8,
             smooth: bool = True, crease_angle_deg: float = 40.0, wireframe: bool = False, ground: bool = True,
             field_of_view_deg: float = 26.0, threads: int = 0, progress: Progress = None) -> Picture:
     """Draws meshes as clay under a light, in one picture or each in its own (`beside`), all with one camera.
 
     `colours`: per mesh an array (n, 3), linear 0 ... 1, or None for its attribute "colour". `look_from`: the direction
-    towards the camera. `bounds`: the box that is shown, (2, 3); by default all meshes. `captions`: below pictures that
-    stand beside each other.
+    towards the camera; by default (0.5, -1, 0.35) where z is up. `up`: by default the axis that is up in the first mesh:
+    what its file says, else y or z by the file's format; z for samples and arrays. `bounds`: the box that is shown,
+    (2, 3); by default all meshes. `captions`: below pictures that stand beside each other.
     """
     if not meshes:
         raise ValueError("picture: expected at least one mesh")
@@ -53,10 +54,12 @@ def picture(*meshes: Any, colours: Sequence[ArrayLike | None] | None = None, bes
         boxes = np.array([mesh.bounds for mesh in own])
         bounds = np.array([np.nanmin(boxes[:, 0], axis=0), np.nanmax(boxes[:, 1], axis=0)])
     box = None if bounds is None else _arrays.points(bounds, "bounds", rows=2)
+    upright = _core.up_axis(own[0]._core) if up is None else up
     options = dict(width=_arrays.whole(width, "width", 2**15), height=_arrays.whole(height, "height", 2**15), samples=samples, occlusion_rays=occlusion_rays, smooth=smooth,
                    crease_angle_deg=float(crease_angle_deg), wireframe=wireframe, ground=ground,
-                   field_of_view_deg=float(field_of_view_deg), look_from=_arrays.direction(look_from, "look_from"),
-                   up=_arrays.direction(up, "up"), low=None if box is None else box[0].copy(),
+                   field_of_view_deg=float(field_of_view_deg),
+                   look_from=None if look_from is None else _arrays.direction(look_from, "look_from"),
+                   up=_arrays.direction(upright, "up"), low=None if box is None else box[0].copy(),
                    high=None if box is None else box[1].copy())
     groups = [[i] for i in range(len(own))] if beside else [list(range(len(own)))]
     with calling(threads, None, progress) as call:

@@ -18,6 +18,7 @@
 #include "bindings.h"
 #include "calls.h"
 #include "from_python.h"
+#include "mesh/up_axis.h"
 #include "records.h"
 #include "to_python.h"
 
@@ -100,7 +101,7 @@ MeshHolder with_attribute(const MeshHolder& holder, const std::string& domain, c
     *same = std::move(attribute);
   else
     mesh.attributes.push_back(std::move(attribute));
-  mesh.source = nullptr;  // the file behind it has other attributes
+  forget_file(mesh);  // it has other attributes
   return hold(std::move(mesh));
 }
 
@@ -110,7 +111,7 @@ MeshHolder without_attribute(const MeshHolder& holder, const std::string& domain
   std::erase_if(mesh.attributes, [&](const Attribute& attribute) {
     return attribute.domain == where && attribute.name == name;
   });
-  mesh.source = nullptr;
+  forget_file(mesh);
   return hold(std::move(mesh));
 }
 

@@ -14,12 +14,14 @@
 #include "bindings.h"
 #include "calls.h"
 #include "mesh.h"
+#include "mesh/up_axis.h"
 #include "python/facts.h"
 #include "records.h"
 #include "to_python.h"
 
 #ifdef MESHGRAFT_HAS_RENDER
 #include "render/render.h"
+#include "render/viewpoint.h"
 #endif
 
 namespace meshgraft::python {
@@ -55,8 +57,9 @@ render::RenderOptions render_options_of(const nb::dict& options) {
     const auto array = nb::cast<NumbersIn>(options[name]);
     return Eigen::Vector3d(Eigen::Map<const Eigen::Vector3d>(array.data()));
   };
-  render.camera.from_direction = vector("look_from");
   render.camera.up = vector("up");
+  render.camera.from_direction =
+      options["look_from"].is_none() ? render::usual_direction(render.camera.up) : vector("look_from");
   if (!options["low"].is_none()) {
     render.camera.low = vector("low");
     render.camera.high = vector("high");
@@ -113,6 +116,8 @@ void bind_drawing(nb::module_& module) {
 
 void bind_picture(nb::module_& module) {
   bind_drawing(module);
+  module.def("up_axis",
+             [](const MeshHolder& holder) { return up_axis_of(*holder.mesh) == UpAxis::y ? "y" : "z"; });
   module.def("sample", [](const std::string& name, int resolution, const nb::tuple& call) {
     return to_python(
         run_for(call_of(call), [&](const Context& context) { return make_sample(name, resolution, context); }));

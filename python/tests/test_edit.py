@@ -247,6 +247,23 @@ def test_a_picture_is_an_array_that_notebooks_show(bar, tmp_path):
     assert (picture * 2.0)._repr_png_() is None
 
 
+def test_pictures_stand_as_the_models_do(bar, tmp_path):
+    small = dict(width=48, height=48, samples=1, occlusion_rays=1)
+    turned = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0.0]])  # z up to y up
+    upright = mg.picture(bar, **small)
+    assert np.array_equal(mg.picture(bar, up="z", look_from=(0.5, -1, 0.35), **small), upright)
+    assert not np.array_equal(mg.picture(bar, up="y", **small), upright)
+    for name, mesh in {"sample.ply": bar, "sample.obj": bar, "sample.off": bar, "sample.stl": bar,
+                       "y.glb": bar.with_vertices(bar.vertices @ turned.T),
+                       "y.obj": mg.Mesh(bar.vertices @ turned.T, bar.faces)}.items():
+        mg.write(mesh, tmp_path / name)
+        again = mg.read(tmp_path / name)
+        shown = mg.picture(again, **small).astype(int)
+        assert np.abs(shown - upright).mean() < 2, name
+        named = again.with_attribute("vertex", "number", np.arange(len(again), dtype=float))
+        assert np.array_equal(mg.picture(named, **small), shown), name
+
+
 def test_names_of_selections_are_the_users(bar, ends, tmp_path):
     handles = {"top": "file", "bottom": "array 0"}
     edit = mg.Edit().input("bar", bar)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -109,14 +108,6 @@ fs::path copy_into(const fs::path& folder, const fs::path& file) {
   }
   fs::copy_file(file, copy);
   return copy;
-}
-
-bool stands_on_y(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  constexpr std::array y_up = {".obj", ".gltf", ".glb", ".ply", ".off"};
-  return std::find(y_up.begin(), y_up.end(), extension) != y_up.end();
 }
 
 namespace {

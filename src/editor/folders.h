@@ -45,10 +45,6 @@ void require_file(const std::filesystem::path& file, const std::filesystem::path
 /// Returns the copy. Throws std::filesystem::filesystem_error, and Error(io) where a file cannot be read.
 std::filesystem::path copy_into(const std::filesystem::path& folder, const std::filesystem::path& file);
 
-/// Returns whether the y axis points up in files of this format. For formats that do not say, this is the
-/// convention of most programs that write them.
-bool stands_on_y(const std::filesystem::path& file);
-
 /// The name of the folder of uploads. Uploaded parts of a session lie in a folder with the second suffix.
 inline constexpr std::string_view upload_folder_name = "uploads", kept_folder_suffix = ".parts";
 

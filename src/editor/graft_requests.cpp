@@ -208,7 +208,6 @@ Json Worker::thumbnail(const json::Value& message, const Context&) {
     };
   } else {
     const std::filesystem::path file = mesh_file(fields);
-    task.y_up = stands_on_y(file);
     task.mesh = [file](const Context& context) {
       return std::make_shared<const Mesh>(read_mesh(file, context));
     };

@@ -11,6 +11,7 @@
 #include "editor/facts.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "render/render.h"
+#include "render/viewpoint.h"
 #endif
 
 namespace meshgraft::editor {
@@ -47,22 +48,20 @@ class TimeLimit {
 
 #ifdef MESHGRAFT_HAS_RENDER
 // Renders a mesh in the page's first view: from the front and the side, with `y` or `z` up.
-std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, bool y_up, const Context& context) {
+std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, const Context& context) {
   const std::array shapes{render::Shape{&mesh, render::vertex_colours(mesh)}};
   render::RenderOptions options;
   options.width = options.height = size;
   options.occlusion_rays = 8;
   options.ground = false;
-  if (y_up) {
-    options.camera.from_direction = {0.5, 0.35, 1};
-    options.camera.up = {0, 1, 0};
-  }
+  options.camera.up = render::up_of(mesh);
+  options.camera.from_direction = render::usual_direction(options.camera.up);
   return render::png_bytes(render::render(shapes, options, context));
 }
 
 void require_pictures() {}
 #else
-std::vector<std::uint8_t> picture_of(const Mesh&, int, bool, const Context&) { return {}; }
+std::vector<std::uint8_t> picture_of(const Mesh&, int, const Context&) { return {}; }
 
 void require_pictures() { throw Error(facts::editor::NoPictures{}, "thumbnail"); }
 #endif
@@ -121,7 +120,7 @@ void Thumbnails::make(const Task& task, const std::stop_token& stop) {
     Context context;
     context.stop_token = limit.token();
     context.memory = most_memory;
-    const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, task.y_up, context);
+    const std::vector<std::uint8_t> picture = picture_of(*task.mesh(context), task.size, context);
     BinaryMessage message(MessageKind::thumbnail, {{"mesh", 0}, {"of", task.request.id}, {"size", task.size}});
     message.add("png", picture);
     outbox_.send(message.bytes());

@@ -30,7 +30,6 @@ class Thumbnails {
     Request request;
     std::function<std::shared_ptr<const Mesh>(const Context&)> mesh;  ///< may throw Error, like read_mesh
     int size = 128;                                                   ///< pixels
-    bool y_up = false;
   };
   /// Queues a task. Throws Error(usage) in a build without rendering, and if too many tasks wait.
   void push(Task task);

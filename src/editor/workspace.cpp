@@ -11,6 +11,7 @@
 #include "graft_messages.h"
 #include "io/file.h"
 #include "io/file_document.h"
+#include "mesh/up_axis.h"
 #include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "script/sha256.h"
@@ -449,7 +450,7 @@ Json Workspace::summary() const {
     graft = {{"graft", graft_number_}, {"step", document_.json["steps"].back()}};
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
-          {"up", !document_.edit.inputs.empty() && stands_on_y(document_.edit.inputs.front().file) ? "y" : "z"},
+          {"up", up_axis_of(stage_.model->mesh()) == UpAxis::y ? "y" : "z"},
           {"unit", length_unit(stage_.model->mesh())},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},

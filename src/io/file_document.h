@@ -10,10 +10,12 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "mesh/up_axis.h"
+
 namespace meshgraft::io {
 
 /// The data that every format remembers of a file.
-struct FileDocument : SourceDocument {
+struct FileDocument : UprightSource {
   std::filesystem::path path;
 
   /// Remembers the faces of the mesh, to decide later whether a mesh still belongs to this file.
@@ -22,6 +24,10 @@ struct FileDocument : SourceDocument {
 
   /// Returns the name of the format, as in `Format`.
   virtual std::string_view format() const = 0;
+
+  /// Returns the axis that points up: what the file says, else the convention of the format, or else of most
+  /// programs that write it.
+  UpAxis up_axis() const override = 0;
 
   /// Returns notes on the file's contents that neither the mesh nor its attributes hold, e.g. io.left_out. They
   /// are lost if the file is composed anew.

@@ -11,6 +11,7 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "mesh/up_axis.h"
 #include "ray_tracer.h"
 
 namespace meshgraft::render {
@@ -98,6 +99,10 @@ double seen_share(const std::vector<Spot>& spots, const RayTracer& tracer, const
 }
 
 }  // namespace
+
+Eigen::Vector3d up_of(const Mesh& mesh) {
+  return up_axis_of(mesh) == UpAxis::y ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+}
 
 Eigen::Vector3d usual_direction(const Eigen::Vector3d& up) {
   return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up) *

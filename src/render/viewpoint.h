@@ -11,6 +11,9 @@
 
 namespace meshgraft::render {
 
+/// Returns the direction that is up in a mesh's coordinates: what its source tells, else z.
+Eigen::Vector3d up_of(const Mesh& mesh);
+
 /// Returns the direction towards the eye that a camera has by default: from the front, a little from the right
 /// and from above, in a world with this direction up.
 Eigen::Vector3d usual_direction(const Eigen::Vector3d& up);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <ranges>
 #include <string>
@@ -13,6 +14,7 @@
 #include "core/facts.h"
 #include "core/parallel.h"
 #include "isosurface.h"
+#include "mesh/up_axis.h"
 #include "models.h"
 #include "samples/facts.h"
 
@@ -185,7 +187,9 @@ Mesh make_sample(std::string_view name, int resolution, const Context& context) 
         facts::core::OutOfRange{.value = resolution, .low = smallest_resolution, .high = largest_resolution},
         location_of(name) / "resolution");
   context.throw_if_stopped();
-  return entry.build ? entry.build(resolution) : mesh_sculpture(entry.sculpt(), resolution, context);
+  Mesh mesh = entry.build ? entry.build(resolution) : mesh_sculpture(entry.sculpt(), resolution, context);
+  mesh.source = std::make_shared<const FilelessSource>(UpAxis::z);
+  return mesh;
 }
 
 }  // namespace meshgraft

@@ -142,6 +142,33 @@ TEST_F(CommandLine, PicturesTakeAView) {
   EXPECT_NE(picture(merge, "a.png"), picture(merge + " --from 0 0.1 1 --up 0 1 0", "b.png"));
 }
 
+// A picture shows a model as it stands, and so does that of its edit. `--up` wins.
+TEST_F(CommandLine, PicturesStandAsTheModelDoes) {
+  if (run("render --help").status != 0) GTEST_SKIP() << "built without the renderer";
+  const auto picture = [&](const std::string& command) {
+    const Outcome outcome = run(command + " --width 40 --height 30");
+    EXPECT_EQ(outcome.status, 0) << command << outcome.err;
+    return read_text(folder_ / "p.png");
+  };
+  const std::string render_as = "render as.obj -o p.png", y_up = " --up 0 1 0", z_up = " --up 0 0 1";
+  write("as.obj", tube(0, true, ""));
+  EXPECT_EQ(picture(render_as), picture(render_as + y_up)) << "as most programs write the format";
+  EXPECT_NE(picture(render_as), picture(render_as + z_up));
+  write("as.obj", "# Vertical axis: z\n" + tube(0, true, ""));
+  EXPECT_EQ(picture(render_as), picture(render_as + z_up)) << "as the file says";
+  ASSERT_EQ(run("sample dinosaur --resolution 24 -o d.ply").status, 0);
+  ASSERT_EQ(run("cut d.ply --plane z=1.5 --keep below -o half.obj").status, 0);
+  ASSERT_EQ(run("repair half.obj --fill-holes 400 -o whole.ply").status, 0);
+  ASSERT_EQ(run("sample dinosaur --resolution 24 -o d.glb").status, 0);
+  for (const std::string file : {"d.ply", "half.obj", "whole.ply", "d.glb"}) {
+    const std::string render = "render " + file + " -o p.png";
+    EXPECT_EQ(picture(render), picture(render + (file == "d.glb" ? y_up : z_up))) << file;
+  }
+  for (const std::string& command : {std::string("cut d.ply --plane z=1.5 -o o.ply --force"),
+                                     std::string("cut half.obj --plane z=0.5 -o o.ply --force")})
+    EXPECT_EQ(picture(command + " --picture p.png"), picture(command + " --picture p.png" + z_up)) << command;
+}
+
 TEST_F(CommandLine, CheckSaysInJsonWhatItPrints) {
   write("torn.obj", sheet() + "v nan 0 0\nf 1 2 65\n");
   const std::string printed = run("check torn.obj").out;

@@ -223,10 +223,16 @@ TEST_F(PartFiles, UploadsKeepTheirNames) {
 }
 
 TEST_F(PartFiles, TellsWhichAxisStandsUp) {
-  open_bust_file();
-  EXPECT_EQ(state()["up"], "y");
   open_bust();
   EXPECT_EQ(state()["up"], "z") << "a sample";
+  open_bust_file();
+  EXPECT_EQ(state()["up"], "z") << "a sample's file says so";
+  write_mesh(make_sample("bust", 20), folder_ / "bust.glb");
+  page_.ask({{"do", "open"}, {"path", "bust.glb"}});
+  EXPECT_EQ(state()["up"], "y") << "the format says so";
+  folder_.file("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  page_.ask({{"do", "open"}, {"path", "plain.obj"}});
+  EXPECT_EQ(state()["up"], "y") << "most programs write it so";
 }
 
 TEST_F(PartFiles, APartChangesNoUnit) {

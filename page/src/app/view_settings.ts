@@ -21,7 +21,7 @@ export class ViewSettings {
   readonly unit = computed(() =>
     this.fileUnit.value === "none" ? this.usualUnit.value : (this.otherUnit.value ?? this.fileUnit.value),
   );
-  readonly up = signal<"auto" | "y" | "z">("auto"); // the vertical axis; auto: by file format
+  readonly up = signal<"auto" | "y" | "z">("auto"); // the vertical axis; auto: as in the model
   readonly orthographic = signal(false);
   readonly grid = signal(true); // on the ground
   readonly lessWhileMoving = signal(true); // fewer pixels while the view or a handle moves, if rendering is slow

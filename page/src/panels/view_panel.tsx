@@ -103,7 +103,7 @@ export function ViewPanel({ page }: { page: Page }) {
         label="Up"
         value={view.up.value}
         choices={[
-          { value: "auto", label: "Auto", help: "By the kind of file." },
+          { value: "auto", label: "Auto", help: "As the file says, or by its kind." },
           { value: "y", label: "Y" },
           { value: "z", label: "Z" },
         ]}

@@ -79,6 +79,8 @@ test("a dropped file keeps its name, and its defects are told until that is dism
   await user.settle();
   expect(await name()).toBe("büste.ply");
   expect(await told.count()).toBe(0);
-  expect(await page.evaluate(() => window.meshgraft.editor.state.value?.up)).toBe("y");
+  const up = () => page.evaluate(() => window.meshgraft.editor.state.value?.up);
+  expect(await up()).toBe("z"); // as the file of a sample says
+  await user.screenshot("opening-upright");
   expect(user.complaints).toEqual([]);
 }, 120_000);

@@ -107,6 +107,7 @@ struct GltfDocument : FileDocument {
   std::string name() const { return path.string(); }
 
   std::string_view format() const override { return "glTF"; }
+  UpAxis up_axis() const override { return UpAxis::y; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

@@ -19,6 +19,7 @@ struct ObjDocument : FileDocument {
   std::vector<Index> corner_normals;  ///< the vn line of each corner, -1 for none; empty if no face has any
 
   std::string_view format() const override { return "OBJ"; }
+  UpAxis up_axis() const override;
   std::vector<Note> beside_the_mesh() const override;
 };
 

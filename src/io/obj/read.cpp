@@ -16,6 +16,7 @@
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
+#include "io/up_axis_comment.h"
 #include "io/word_cursor.h"
 #include "materials.h"
 #include "obj.h"
@@ -421,6 +422,8 @@ std::vector<Note> ObjDocument::beside_the_mesh() const {
     notes.push_back(facts::io::LeftOut{.file = path.filename(), .content = keyword, .count = count});
   return notes;
 }
+
+UpAxis ObjDocument::up_axis() const { return up_axis_in_text(content, true).value_or(UpAxis::y); }
 
 ObjCursor::ObjCursor(std::string_view content) : content_(content) {
   if (content_.starts_with("\xEF\xBB\xBF")) offset_ = 3;  // byte order mark

@@ -15,6 +15,7 @@
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
+#include "io/up_axis_comment.h"
 #include "materials.h"
 #include "mesh/join.h"
 #include "obj.h"
@@ -280,7 +281,7 @@ class ObjComposer {
         normals_(mesh, "normal", 3) {}
 
   Written compose() {
-    write_libraries();
+    write_head();
     write_vertices();
     write_lines("vt", uvs_, 2);
     write_lines("vn", normals_, 3);
@@ -302,7 +303,9 @@ class ObjComposer {
     std::string none;  ///< text for faces without a label that follow faces with one
   };
 
-  void write_libraries() {
+  void write_head() {
+    if (const std::string_view comment = up_axis_comment(mesh_); !comment.empty())
+      out_.append("# ").append(comment) += '\n';
     if (const auto sources = sources_of(mesh_))
       for (const Note& note : sources->notes) out_ += "# " + note.text() + '\n';
     for (const std::string& library : materials_.libraries) out_ += "mtllib " + library + '\n';

@@ -29,6 +29,7 @@ struct OffDocument : FileDocument {
   bool has_face_index = false;
 
   std::string_view format() const override { return "OFF"; }
+  UpAxis up_axis() const override;
   std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 

@@ -12,6 +12,7 @@
 #include "io/check_interval.h"
 #include "io/facts.h"
 #include "io/number_text.h"
+#include "io/up_axis_comment.h"
 #include "io/word_cursor.h"
 #include "off.h"
 
@@ -390,6 +391,10 @@ bool is_spelled_whole(std::string_view word) {
 
 double off_colour_divisor(ScalarType attribute_type, bool whole, double largest) {
   return attribute_type != ScalarType::uint8 && whole && largest > 1 ? 255.0 : 1.0;
+}
+
+UpAxis OffDocument::up_axis() const {
+  return up_axis_in_text(std::string_view(content).substr(0, body), false).value_or(UpAxis::y);
 }
 
 Mesh read_off(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {

@@ -9,6 +9,7 @@
 #include "io/check_interval.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
+#include "io/up_axis_comment.h"
 #include "off.h"
 
 namespace meshgraft::io {
@@ -158,7 +159,10 @@ class OffComposer {
     if (uv_ != nullptr) out_ += "ST";
     if (vertex_colour_ != nullptr) out_ += 'C';
     if (normal_ != nullptr) out_ += 'N';
-    out_ += "OFF\n" + std::to_string(mesh_.vertex_count()) + ' ' + std::to_string(mesh_.face_count()) + " 0\n";
+    out_ += "OFF\n";
+    if (const std::string_view comment = up_axis_comment(mesh_); !comment.empty())
+      out_.append("# ").append(comment) += '\n';
+    out_ += std::to_string(mesh_.vertex_count()) + ' ' + std::to_string(mesh_.face_count()) + " 0\n";
     write_vertices();
     write_faces();
     Written written{std::move(out_)};

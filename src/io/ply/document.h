@@ -71,6 +71,7 @@ struct PlyDocument : FileDocument {
   ScalarType position_type = ScalarType::float64;
 
   std::string_view format() const override { return "PLY"; }
+  UpAxis up_axis() const override;
   std::vector<Note> beside_the_mesh() const override;
 };
 

@@ -15,6 +15,7 @@
 #include "io/charged.h"
 #include "io/facts.h"
 #include "io/number_text.h"
+#include "io/up_axis_comment.h"
 #include "ply.h"
 #include "records.h"
 
@@ -412,6 +413,12 @@ std::vector<Note> PlyDocument::beside_the_mesh() const {
   for (const std::string& comment : header.comments)
     if (comment.starts_with("TextureFile")) add(comment, 1);
   return notes;
+}
+
+UpAxis PlyDocument::up_axis() const {
+  for (const std::string& comment : header.comments)
+    if (const auto axis = up_axis_in(comment)) return *axis;
+  return UpAxis::y;
 }
 
 std::vector<std::filesystem::path> texture_files(const PlyDocument& document) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <meshgraft/core/error.h>
@@ -16,6 +17,7 @@
 #include "io/number_text.h"
 #include "io/obj/materials.h"
 #include "io/unwritten.h"
+#include "io/up_axis_comment.h"
 #include "ply.h"
 
 namespace meshgraft::io {
@@ -280,7 +282,10 @@ class PlyComposer {
   }
 
   void write_header() {
-    out_ = "ply\nformat binary_little_endian 1.0\n" + labels_;
+    out_ = "ply\nformat binary_little_endian 1.0\n";
+    if (const std::string_view comment = up_axis_comment(mesh_); !comment.empty())
+      out_.append("comment ").append(comment) += '\n';
+    out_ += labels_;
     write_element("vertex", mesh_.vertex_count(), vertex_);
     if (mesh_.face_count() > 0 || mesh_.vertex_count() == 0) write_element("face", mesh_.face_count(), face_);
     out_ += "end_header\n";
