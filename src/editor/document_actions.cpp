@@ -184,9 +184,27 @@ std::optional<double> reach_of(const Json& step, const Json& handle) {
   return std::nullopt;
 }
 
+void replace_fields(Json& into, const Json& changes) {
+  for (const auto& [name, value] : changes.items())
+    if (value.is_null())
+      into.erase(name);
+    else
+      into[name] = value;
+}
+
+void replace_settings(Json& settings, const Json& changes) {
+  if (settings.is_null()) settings = Json::object();
+  if (changes.contains("preset") && changes["preset"] != settings.value("preset", Json())) {
+    Json kept = Json::object();
+    for (const char* name : {"backend", "seed", "weld"})
+      if (settings.contains(name)) kept[name] = settings[name];
+    settings = std::move(kept);
+  }
+  replace_fields(settings, changes);
+}
+
 void change_settings(Json& document, const Json& changes) {
-  Json& settings = step_of(document)["settings"];
-  for (const auto& [name, value] : changes.items()) settings[name] = value;
+  replace_settings(step_of(document)["settings"], changes);
 }
 
 void accept_step(Json& document, const EditFile& edit) {

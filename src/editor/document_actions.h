@@ -42,7 +42,14 @@ void set_symmetry(Json& document, const Json& symmetry);
 /// Returns the reach of a handle in a step given as JSON, if the handle has one.
 std::optional<double> reach_of(const Json& step, const Json& handle);
 
-/// Replaces those settings of the step that `changes` names.
+/// Sets fields of a JSON object; null removes a field.
+void replace_fields(Json& into, const Json& changes);
+
+/// Sets settings of any step; null removes one. Another preset, or none, stands for all settings that are not
+/// named, except `backend`, `seed` and `weld`.
+void replace_settings(Json& settings, const Json& changes);
+
+/// Does the same to the settings of the step.
 void change_settings(Json& document, const Json& changes);
 
 /// Appends a deform step that works on the result of the last one. Throws Error(usage) where the last one

@@ -141,8 +141,8 @@ void set_graft(Json& document, const EditFile& edit, const Json& fields) {
   for (const auto& [name, value] : fields.items())
     if (value.is_null())
       step.erase(name);
-    else if (name == "settings" && value.is_object() && step.contains(name))
-      step[name].update(value);
+    else if (name == "settings" && value.is_object())
+      replace_settings(step[name], value);
     else
       step[name] = value;
   for (const char* side : {"target", "source"})

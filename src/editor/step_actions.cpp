@@ -4,6 +4,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "document_actions.h"
 #include "editor/facts.h"
 
 namespace meshgraft::editor {
@@ -15,14 +16,6 @@ Json& step_at(Json& document, std::size_t index) {
   if (index >= steps.size())
     throw Error(facts::editor::NoSuchStep{.step = index + 1, .count = steps.size()}, "index");
   return steps[index];
-}
-
-void replace_fields(Json& into, const Json& changes) {
-  for (const auto& [name, value] : changes.items())
-    if (value.is_null())
-      into.erase(name);
-    else
-      into[name] = value;
 }
 
 // Renames the producer in every {"produced": {"step", "what"}}, at any depth.
@@ -40,7 +33,7 @@ void change_step(Json& document, std::size_t index, const StepChange& change) {
   Json& step = step_at(document, index);
   Json fields = change.fields;
   if (fields.contains("settings") && fields["settings"].is_object()) {
-    replace_fields(step["settings"], fields["settings"]);
+    replace_settings(step["settings"], fields["settings"]);
     fields.erase("settings");
   }
   replace_fields(step, fields);

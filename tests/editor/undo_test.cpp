@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <meshgraft/script/run_edit.h>
+
 #include "bar_editing.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
@@ -37,6 +39,45 @@ TEST(Editor, TakesBackTheChangeWhoseSetUpGoesOn) {
     EXPECT_EQ(after[field], state[field]) << field;
   page.ask({{"do", "redo"}});
   EXPECT_EQ(page.ask({{"do", "state"}})["set_up_for"], "settings");
+}
+
+// A preset stands for the settings that are not given beside it, and is undone like any setting.
+TEST(Editor, APresetTakesThePlaceOfSettings) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_bar);
+  paint_top(page);
+  const auto settings = [&] { return page.ask({{"do", "state"}})["settings"]; };
+  const auto change = [&](const Json& changes) {
+    page.ask({{"do", "settings"}, {"settings", changes}});
+    return settings();
+  };
+  Json usual = settings();
+  const Json own = change({{"method", "rotation-aware"}, {"stiffness", 5}, {"seed", 4}});
+  const std::string bytes = saved(page, folder / "own.json");
+  const Json published = change({{"preset", "as-published"}});
+  EXPECT_EQ(published["preset"], "as-published");
+  EXPECT_EQ(published["method"], "ft05");
+  EXPECT_EQ(published["noise_lengths"], "random");
+  EXPECT_EQ(published["laplacian_weight"], 1);
+  EXPECT_EQ(published["seed"], 4) << "no part of the preset";
+  const std::vector<float> shown = page.exact(pose_top(page)["pose"]);
+  saved(page, folder / "published.json");
+  const EditFile edit = read_edit_file(folder / "published.json");
+  EXPECT_EQ(shown, as_shown(run_edit(edit).mesh.positions, page.offset()));
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "undo"}});
+  EXPECT_EQ(settings(), own);
+  EXPECT_EQ(saved(page, folder / "again.json"), bytes);
+  page.ask({{"do", "redo"}});
+  EXPECT_EQ(settings(), published);
+  EXPECT_EQ(change({{"density", "aware"}})["density"], "aware");
+  EXPECT_EQ(change({{"preset", "as-published"}})["density"], "aware") << "it is no other preset";
+  EXPECT_EQ(change({{"density", nullptr}}), published);
+  usual["seed"] = 4;
+  EXPECT_EQ(change({{"preset", nullptr}}), usual);
+  EXPECT_EQ(page.refusal({{"do", "settings"}, {"settings", {{"preset", "draft"}}}})["code"], "input");
 }
 
 TEST(Editor, UndoesToTheFirstBytesAndRedoesToTheLast) {

@@ -22,6 +22,8 @@ interface Common {
 export interface NumberSetting extends Common {
   kind: "number";
   defaultValue: number;
+  /** The value of the preset, where it is another. */
+  published?: number;
   min: number;
   max: number;
   softMin?: number;
@@ -32,6 +34,7 @@ export interface NumberSetting extends Common {
 export interface ChoiceSetting extends Common {
   kind: "choice";
   defaultValue: string;
+  published?: string;
   choices: readonly Choice<string>[];
 }
 export interface SwitchSetting extends Common {
@@ -58,14 +61,26 @@ export const methods: readonly (Choice<MethodName> & { help: string })[] = [
   },
 ];
 
-const hasRotations = (settings: Settings) => settings["method"] !== "ft05";
-const isCorotational = (settings: Settings) => (settings["method"] ?? "corotational") === "corotational";
-const usesNoise = (settings: Settings) => settings["degenerate"] !== "apex";
-const usesApex = (settings: Settings) => settings["degenerate"] !== "ft05-noise";
+/** The preset: settings with a name, which take the place of the defaults. */
+export const preset = {
+  value: "as-published",
+  label: "As published",
+  help: "Solves as the paper of 2005 is written; its results never change. Other settings start anew, and may differ from it.",
+};
+
+export function hasPreset(settings: Settings): boolean {
+  return settings["preset"] === preset.value;
+}
+
+const hasRotations = (settings: Settings) => methodOf(settings) !== "ft05";
+const isCorotational = (settings: Settings) => methodOf(settings) === "corotational";
+const flatPlaces = (settings: Settings) => settings["degenerate"] ?? (hasPreset(settings) ? "ft05-noise" : "auto");
+const usesNoise = (settings: Settings) => flatPlaces(settings) !== "apex";
+const usesApex = (settings: Settings) => flatPlaces(settings) !== "ft05-noise";
 
 export const settingsTable: readonly Setting[] = [
   {
-    key: "stiffness", kind: "number", label: "Stiffness", group: "shape", defaultValue: 60, min: 0, max: 1e6,
+    key: "stiffness", kind: "number", label: "Stiffness", group: "shape", defaultValue: 60, published: 0, min: 0, max: 1e6,
     softMax: 1e4, logarithmic: true, applies: hasRotations,
     help: "How strongly edges keep their lengths. 0 bends most evenly.",
   },
@@ -75,7 +90,7 @@ export const settingsTable: readonly Setting[] = [
     help: "Keeps a bend from gathering in a crease: a length, × the width of the surface between the handles.",
   },
   {
-    key: "laplacian_weight", kind: "number", label: "Detail weight", group: "shape", defaultValue: 20, min: 0, max: 1e6,
+    key: "laplacian_weight", kind: "number", label: "Detail weight", group: "shape", defaultValue: 20, published: 1, min: 0, max: 1e6,
     softMin: 0, softMax: 1000, logarithmic: true,
     help: "Weight of the details' shape beside the smoothness of the bend. The paper has 1.",
   },
@@ -94,7 +109,7 @@ export const settingsTable: readonly Setting[] = [
     help: "Uniform is safe on any triangles; cotangent follows their shapes.",
   },
   {
-    key: "density", kind: "choice", label: "Density", group: "surface", defaultValue: "aware",
+    key: "density", kind: "choice", label: "Density", group: "surface", defaultValue: "aware", published: "ft05",
     choices: [{ value: "aware", label: "By area" }, { value: "ft05", label: "By vertex (paper)" }],
     help: "By area, the same shape gives the same answer however finely it is triangulated.",
   },
@@ -103,7 +118,7 @@ export const settingsTable: readonly Setting[] = [
     help: "Boundary vertices at one place move as one. Switch it off where parts that touch shall come apart.",
   },
   {
-    key: "refine_boundary", kind: "choice", label: "Refine at handles", group: "surface", more: true, defaultValue: "auto",
+    key: "refine_boundary", kind: "choice", label: "Refine at handles", group: "surface", more: true, defaultValue: "auto", published: "0",
     choices: [
       { value: "auto", label: "Automatic" },
       { value: "0", label: "Off" },
@@ -116,7 +131,7 @@ export const settingsTable: readonly Setting[] = [
       + "handles without an inside. With a number, each drag is solved at its end only.",
   },
   {
-    key: "degenerate", kind: "choice", label: "Flat places", group: "flat", defaultValue: "auto",
+    key: "degenerate", kind: "choice", label: "Flat places", group: "flat", defaultValue: "auto", published: "ft05-noise",
     choices: [
       { value: "auto", label: "Automatic" },
       { value: "apex", label: "Virtual apex" },
@@ -133,7 +148,7 @@ export const settingsTable: readonly Setting[] = [
     max: 10, softMin: 0.01, softMax: 1, applies: usesNoise, help: "× the mean length of the vertex's edges.",
   },
   {
-    key: "noise_lengths", kind: "choice", label: "Noise lengths", group: "flat", more: true, defaultValue: "equal",
+    key: "noise_lengths", kind: "choice", label: "Noise lengths", group: "flat", more: true, defaultValue: "equal", published: "random",
     choices: [{ value: "equal", label: "Equal, either side" }, { value: "random", label: "Random, one side (paper)" }],
     applies: usesNoise, help: "Random lengths are 0.8 to 1.2 times the noise length.",
   },
@@ -174,13 +189,20 @@ export const groupNames: Readonly<Record<Setting["group"], string>> = {
   solver: "Solver",
 };
 
-export function numberOf(settings: Settings, { key, defaultValue }: NumberSetting): number {
-  const value = settings[key];
-  return typeof value === "number" ? value : defaultValue;
+/** Returns the value of a setting that is not given. */
+export function usualOf(settings: Settings, setting: NumberSetting): number;
+export function usualOf(settings: Settings, setting: ChoiceSetting): string;
+export function usualOf(settings: Settings, { defaultValue, published }: NumberSetting | ChoiceSetting): number | string {
+  return (hasPreset(settings) ? published : undefined) ?? defaultValue;
 }
-export function choiceOf(settings: Settings, { key, defaultValue }: ChoiceSetting): string {
-  const value = settings[key];
-  return typeof value === "string" || typeof value === "number" ? String(value) : defaultValue;
+
+export function numberOf(settings: Settings, setting: NumberSetting): number {
+  const value = settings[setting.key];
+  return typeof value === "number" ? value : usualOf(settings, setting);
+}
+export function choiceOf(settings: Settings, setting: ChoiceSetting): string {
+  const value = settings[setting.key];
+  return typeof value === "string" || typeof value === "number" ? String(value) : usualOf(settings, setting);
 }
 /** Returns the setting that a choice stands for: a number for digits, otherwise the choice itself. */
 export function settingOf(choice: string): SettingValue {
@@ -191,7 +213,7 @@ export function switchOf(settings: Settings, { key, defaultValue }: SwitchSettin
   return typeof value === "boolean" ? value : defaultValue;
 }
 export function methodOf(settings: Settings): MethodName {
-  return methods.find(({ value }) => value === settings["method"])?.value ?? "corotational";
+  return methods.find(({ value }) => value === settings["method"])?.value ?? (hasPreset(settings) ? "ft05" : "corotational");
 }
 
 /** Returns the settings that have an effect with the chosen method. */
@@ -199,9 +221,13 @@ export function applicable(settings: Settings): Setting[] {
   return settingsTable.filter((setting) => setting.applies?.(settings) !== false);
 }
 
-/** Returns the changes that reset all applicable settings to their defaults. The method stays. */
-export function changesToDefaults(settings: Settings): Record<string, SettingValue> {
-  const changes: Record<string, SettingValue> = {};
+/** The changes of settings that a request makes; null removes a setting. */
+export type SettingChanges = Record<string, SettingValue | null>;
+
+/** Returns the changes that reset all settings to their defaults, and take the preset off. The method stays. */
+export function changesToDefaults(settings: Settings): SettingChanges {
+  const changes: SettingChanges = {};
+  if (settings["preset"] !== undefined) Object.assign(changes, { preset: null, method: methodOf(settings) });
   for (const { key, defaultValue } of settingsTable)
     if (settings[key] !== undefined && settings[key] !== defaultValue) changes[key] = defaultValue;
   return changes;

@@ -6,14 +6,17 @@ import {
   choiceOf,
   admissible,
   groupNames,
+  hasPreset,
   methodOf,
   methods,
   numberOf,
+  preset,
   settingOf,
   switchOf,
+  usualOf,
   type Setting,
+  type SettingChanges,
   type Settings,
-  type SettingValue,
 } from "../app/method_settings";
 import { Button } from "./ui/button";
 import { Segments, Select, Slider, Toggle } from "./ui/fields";
@@ -24,7 +27,7 @@ export function MethodPanel({ page }: { page: Page }) {
   const { editor } = page;
   const settings = settingsOf(page);
   const chosen = methods.find(({ value }) => value === methodOf(settings));
-  const change = (changes: Record<string, SettingValue>) =>
+  const change = (changes: SettingChanges) =>
     void editor.ask({ do: "settings", settings: changes });
   const all = applicable(settings);
   const usual = changesToDefaults(settings);
@@ -32,7 +35,7 @@ export function MethodPanel({ page }: { page: Page }) {
     <Section
       title="Method"
       hint="How the surface follows the handles. A switch shows the difference at once."
-      badge={chosen?.label}
+      badge={hasPreset(settings) ? preset.label : chosen?.label}
       startsOpen
     >
       <Segments
@@ -49,6 +52,12 @@ export function MethodPanel({ page }: { page: Page }) {
         change={change}
       />
       <More label="More settings">
+        <Toggle
+          label={preset.label}
+          help={preset.help}
+          value={hasPreset(settings)}
+          onChange={(on) => change({ preset: on ? preset.value : null })}
+        />
         <MoreSettings all={all} values={settings} change={change} />
         <Anchors page={page} />
         <Button
@@ -56,7 +65,7 @@ export function MethodPanel({ page }: { page: Page }) {
           icon="reset"
           kind="quiet"
           disabled={Object.keys(usual).length === 0}
-          tip="All of these settings as they are at first; the method stays."
+          tip="All of these settings as they are at first, without the preset; the method stays."
           onClick={() => change(usual)}
         />
       </More>
@@ -70,7 +79,7 @@ export function settingsOf(page: Page): Settings {
 
 interface SettingsProps {
   values: Settings;
-  change: (changes: Record<string, SettingValue>) => void;
+  change: (changes: SettingChanges) => void;
 }
 
 function MoreSettings({ all, values, change }: SettingsProps & { all: readonly Setting[] }) {
@@ -110,7 +119,7 @@ function SettingField({ setting, values, change }: SettingsProps & { setting: Se
         <Slider
           {...setting}
           label={label}
-          help={`${help} Usually ${setting.defaultValue}.`}
+          help={`${help} Usually ${usualOf(values, setting)}.`}
           value={numberOf(values, setting)}
           step={setting.integer === true ? 1 : Math.max(1e-6, setting.defaultValue / 20)}
           onChange={(value) => change({ [key]: admissible(setting, value) })}

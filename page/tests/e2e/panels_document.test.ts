@@ -1,4 +1,6 @@
+import { readFileSync } from "node:fs";
 import { afterAll, beforeAll, beforeEach, expect, test } from "vitest";
+import { settingsTable, usualOf, type NumberSetting, type Settings } from "../../src/app/method_settings";
 import { EditorHarness } from "./harness";
 
 let harness: EditorHarness;
@@ -128,6 +130,49 @@ test("methods switch, and show what applies to them", async () => {
   let difference = 0;
   linear.forEach((x, i) => (difference = Math.max(difference, Math.abs(x - (natural[i] ?? 0)))));
   expect(difference).toBeGreaterThan(0.01);
+});
+
+test("the preset is switched on and off, and the panel shows its settings", async () => {
+  const { user } = harness;
+  const { page } = user;
+  await makeHandle();
+  await page.getByText("More settings", { exact: true }).click();
+  const preset = page.getByRole("switch", { name: "As published" });
+  const shown = () => page.evaluate(() => window.meshgraft.editor.state.value?.settings);
+  const density = page.getByLabel("Density");
+  expect(await preset.isChecked()).toBe(false);
+  expect(await density.inputValue()).toBe("aware");
+  await preset.click();
+  await user.settle();
+  expect(await shown()).toMatchObject({ preset: "as-published", method: "ft05" });
+  expect(await preset.isChecked()).toBe(true);
+  expect(await density.inputValue()).toBe("ft05");
+  expect(await page.getByLabel("Stiffness").count()).toBe(0);
+  await user.screenshot("panels-preset");
+  // What the panel shows is what the edit is solved by.
+  await page.evaluate(async (path) => {
+    await window.meshgraft.editor.ask({ do: "save", edit: path });
+  }, harness.folder.file("preset.json"));
+  const written = (JSON.parse(readFileSync(harness.folder.file("preset.json"), "utf8")) as {
+    steps: { settings: Settings }[];
+  }).steps[0]?.settings ?? {};
+  expect(written["preset"]).toBe("as-published");
+  for (const setting of settingsTable) {
+    const usual =
+      setting.kind === "switch" ? setting.defaultValue : usualOf({ preset: "as-published" }, setting as NumberSetting);
+    expect(String(written[setting.key]), setting.key).toBe(String(usual));
+  }
+  await user.press("Control+z");
+  await user.settle();
+  expect(await preset.isChecked()).toBe(false);
+  await user.press("Control+Shift+z");
+  await user.settle();
+  expect(await preset.isChecked()).toBe(true);
+  await page.getByRole("button", { name: "Back to the usual" }).click();
+  await user.settle();
+  expect(await preset.isChecked()).toBe(false);
+  expect(await shown()).toMatchObject({ method: "ft05", laplacian_weight: 20 });
+  expect(await density.inputValue()).toBe("aware");
 });
 
 test("groups are saved, selected, coloured, used and removed", async () => {

@@ -5,7 +5,7 @@ import { handleColour, groupColour } from "../../src/app/colours";
 import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/handle_pose";
 import { liveWords, progressWords } from "../../src/app/live_words";
 import {
-  admissible, applicable, changesToDefaults, choiceOf, settingOf, settingsTable, type ChoiceSetting, type NumberSetting,
+  admissible, applicable, changesToDefaults, choiceOf, methodOf, numberOf, settingOf, settingsTable, type ChoiceSetting, type NumberSetting,
 } from "../../src/app/method_settings";
 import { axisOfPlane, coordinateOf, planeAcross } from "../../src/app/mirror_plane";
 import { compareNames, baseName, faultOfName, folderOf, joined, stemOf, withExtension } from "../../src/app/paths";
@@ -125,6 +125,22 @@ describe("settings of the method", () => {
   });
   test("back to the usual changes what is not usual, and no method", () => {
     expect(changesToDefaults({ method: "ft05", stiffness: 60, density: "ft05" })).toEqual({ density: "aware" });
+  });
+  test("the preset changes what is usual, and back to the usual takes it off", () => {
+    const setting = (key: string) => settingsTable.find((entry) => entry.key === key);
+    const published = { preset: "as-published" };
+    expect(methodOf(published)).toBe("ft05");
+    expect(methodOf({ ...published, method: "corotational" })).toBe("corotational");
+    expect(choiceOf(published, setting("density") as ChoiceSetting)).toBe("ft05");
+    expect(choiceOf({ ...published, density: "aware" }, setting("density") as ChoiceSetting)).toBe("aware");
+    expect(numberOf(published, setting("laplacian_weight") as NumberSetting)).toBe(1);
+    expect(numberOf({}, setting("laplacian_weight") as NumberSetting)).toBe(20);
+    const keys = applicable(published).map(({ key }) => key);
+    expect(keys).toContain("noise_lengths");
+    for (const key of ["stiffness", "smoothing_length_rel", "apex_height_rel"]) expect(keys).not.toContain(key);
+    expect(changesToDefaults(published)).toEqual({ preset: null, method: "ft05" });
+    expect(changesToDefaults({ ...published, method: "corotational", seed: 3 }))
+      .toEqual({ preset: null, method: "corotational", seed: 1 });
   });
   test("a choice may stand for a number", () => {
     const refine = settingsTable.find(({ key }) => key === "refine_boundary") as ChoiceSetting;
