@@ -36,10 +36,10 @@ struct CompareArguments {
 #endif
 };
 
-std::vector<Method> methods_of(const std::string& list) {
-  if (list.empty()) return all_methods();
-  std::vector<Method> methods;
-  for (const std::string& name : CLI::detail::split(list, ',')) methods.push_back(method_named(name));
+std::vector<Contender> methods_of(const std::string& list) {
+  if (list.empty()) return all_contenders();
+  std::vector<Contender> methods;
+  for (const std::string& name : CLI::detail::split(list, ',')) methods.push_back(contender_named(name));
   return methods;
 }
 
@@ -63,12 +63,12 @@ struct ComparisonFiles {
   std::filesystem::path text() const { return folder / "compare.md"; }
   std::filesystem::path json() const { return folder / "compare.json"; }
   std::filesystem::path sheet() const { return folder / "compare.png"; }
-  std::filesystem::path mesh(const Method& method) const { return folder / (name(method) + extension); }
-  std::filesystem::path picture(const Method& method) const { return folder / (name(method) + ".png"); }
+  std::filesystem::path mesh(const Contender& method) const { return folder / (name(method) + extension); }
+  std::filesystem::path picture(const Contender& method) const { return folder / (name(method) + ".png"); }
 
-  std::vector<std::filesystem::path> all(const std::vector<Method>& methods) const {
+  std::vector<std::filesystem::path> all(const std::vector<Contender>& methods) const {
     std::vector<std::filesystem::path> files{text(), json(), sheet()};
-    for (const Method& method : methods) {
+    for (const Contender& method : methods) {
       files.push_back(mesh(method));
       files.push_back(picture(method));
     }
@@ -76,7 +76,7 @@ struct ComparisonFiles {
   }
 
  private:
-  static std::string name(const Method& method) { return std::string(to_string(method)); }
+  static std::string name(const Contender& method) { return std::string(to_string(method)); }
 };
 
 bool is_comparison(const std::filesystem::path& file) {
@@ -86,7 +86,7 @@ bool is_comparison(const std::filesystem::path& file) {
 }
 
 // Refuses to replace an input. Files in the folder may be replaced only if an earlier comparison wrote them.
-void require_ours(const ComparisonFiles& files, const std::vector<Method>& methods,
+void require_ours(const ComparisonFiles& files, const std::vector<Contender>& methods,
                   const CompareArguments& arguments, const EditFile& edit) {
   if (!std::filesystem::exists(files.folder)) return require_writable(files.folder);
   if (!std::filesystem::is_directory(files.folder)) throw Error(facts::cli::NotAFolder{}, files.folder);
@@ -200,7 +200,7 @@ void write_folder(Comparison& comparison, const ComparisonFiles& files,
 void run_compare(const CompareArguments& arguments, Context context) {
   context.threads = arguments.threads;
   context.memory = arguments.memory;
-  const std::vector<Method> methods = methods_of(arguments.methods);
+  const std::vector<Contender> methods = methods_of(arguments.methods);
   const EditFile edit = read_edit_file(arguments.edit);
   const bool ends_in_slash = !arguments.folder.has_filename();
   const ComparisonFiles files{ends_in_slash ? arguments.folder.parent_path() : arguments.folder,
@@ -223,7 +223,7 @@ void add_compare(CLI::App& program, Action& action) {
   CLI::App* command = program.add_subcommand("compare", "Run an edit file by several methods, side by side");
   command->add_option("edit", arguments->edit, "The edit file")->required()->type_name("EDIT.json");
   std::vector<std::string> names;
-  for (const Method& method : all_methods()) names.emplace_back(to_string(method));
+  for (const Contender& method : all_contenders()) names.emplace_back(to_string(method));
   command->add_option("--methods", arguments->methods, "Some of them, separated by commas (default: all)")
       ->type_name(CLI::detail::join(names, "|"));
   [[maybe_unused]] CLI::Option* folder =

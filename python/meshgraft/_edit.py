@@ -245,7 +245,7 @@ class Edit:
 
     def compare(self, methods: Sequence[str] = (), *, threads: int = 0,
                 progress: Progress = None) -> tuple[MethodOutcome, ...]:
-        """Runs the edit once by each method: those named, or all (`meshgraft.methods()`)."""
+        """Runs the edit once by each method: those named, or all (`meshgraft.methods()`, and "as-published")."""
         if isinstance(methods, str):
             methods = [methods]
         with calling(threads, None, progress) as call:

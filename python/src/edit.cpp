@@ -96,16 +96,16 @@ nb::tuple run_one_step(const nb::tuple& given, const nb::dict& options, const nb
 
 nb::list compare(const nb::tuple& given, const std::vector<std::string>& names, const nb::tuple& call) {
   const GivenEdit edit = edit_of(given);
-  std::vector<Method> methods;
-  for (const std::string& name : names) methods.push_back(method_named(name));
-  if (names.empty()) methods = all_methods();
+  std::vector<Contender> methods;
+  for (const std::string& name : names) methods.push_back(contender_named(name));
+  if (names.empty()) methods = all_contenders();
   Comparison comparison = run_for(call_of(call), [&](const Context& context) {
     return compare_methods(edit.edit, inputs_of(edit, context), methods, context);
   });
   nb::list outcomes;
   for (MethodOutcome& outcome : comparison.outcomes)
     outcomes.append(nb::make_tuple(
-        to_python(outcome.method),
+        to_python(to_string(outcome.method)),
         outcome.result ? nb::object(result_of(*std::move(outcome.result))) : nb::object(nb::none()),
         outcome.failure ? exception_of(*outcome.failure) : nb::object(nb::none())));
   return outcomes;

@@ -91,6 +91,8 @@ def test_compare_runs_each_method(bar):
     assert [outcome.method for outcome in outcomes] == ["ft05", "corotational"]
     assert outcomes[1].result.mesh.vertices.tobytes() == edit_of(bar).run().mesh.vertices.tobytes()
     assert "arap-2007" in mg.methods() and outcomes[0].failure is None
+    published, = mg.compare(edit_of(bar), ["as-published"])
+    assert published.result.mesh.vertices.tobytes() == edit_of(bar).run(preset="as-published").mesh.vertices.tobytes()
 
 
 def test_poses_edits_meshes_and_errors_can_be_pickled(bar):

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void require_distinct(std::span<const Method> methods) {
+void require_distinct(std::span<const Contender> methods) {
   if (methods.empty()) throw Error(facts::script::NoMethods{});
   for (auto method = methods.begin(); method != methods.end(); ++method)
     if (std::find(methods.begin(), method, *method) != method)
@@ -35,8 +35,14 @@ void require_deform_step(const EditFile& edit) {
     throw Error(facts::script::NothingToCompare{}, Location::file(edit.location));
 }
 
+SettingsOverrides overrides_of(const Contender& contender) {
+  if (const auto* preset = std::get_if<Preset>(&contender)) return {.preset = *preset};
+  if (const auto* baseline = std::get_if<Baseline>(&contender)) return {.method = *baseline};
+  return {.method = std::get<DeformMethod>(contender)};
+}
+
 // Returns a context whose progress also names and counts the method.
-Context context_of(const Method& method, std::size_t number, std::size_t count, const Context& context) {
+Context context_of(const Contender& method, std::size_t number, std::size_t count, const Context& context) {
   Context own = context;
   if (context.progress)
     own.progress = [&context, name = to_string(method), number, count](Progress progress) {
@@ -173,22 +179,22 @@ Json outcome_json(const MethodOutcome& outcome, const Wording& wording) {
 
 }  // namespace
 
-Comparison compare_methods(const EditFile& edit, std::span<const Method> methods, const Context& context) {
+Comparison compare_methods(const EditFile& edit, std::span<const Contender> methods, const Context& context) {
   require_distinct(methods);
   require_deform_step(edit);
   return compare_methods(edit, load_inputs(edit, context), methods, context);
 }
 
-Comparison compare_methods(const EditFile& edit, const LoadedInputs& inputs, std::span<const Method> methods,
+Comparison compare_methods(const EditFile& edit, const LoadedInputs& inputs, std::span<const Contender> methods,
                            const Context& context) {
   require_distinct(methods);
   require_deform_step(edit);
   Comparison comparison;
   comparison.edit = edit.location;
-  for (const Method& method : methods) {
+  for (const Contender& method : methods) {
     MethodOutcome outcome{method, {}, {}};
     RunOptions options;
-    options.overrides.method = method;
+    options.overrides = overrides_of(method);
     options.estimate_condition = false;
     try {
       const std::size_t number = comparison.outcomes.size() + 1;

@@ -33,7 +33,7 @@ EditFile bent_bar(const std::string& more = "", int steps = 1) {
       "edit.json");
 }
 
-std::string message_of(const EditFile& edit, const std::vector<Method>& methods) {
+std::string message_of(const EditFile& edit, const std::vector<Contender>& methods) {
   try {
     compare_methods(edit, methods);
   } catch (const Error& error) {
@@ -43,8 +43,8 @@ std::string message_of(const EditFile& edit, const std::vector<Method>& methods)
 }
 
 TEST(Compare, EveryMethodMeetsTheConstraintsAndNamesItself) {
-  const std::vector<Method> methods = all_methods();
-  ASSERT_EQ(methods.size(), 8u);
+  const std::vector<Contender> methods = all_contenders();
+  ASSERT_EQ(methods.size(), 9u);
   const EditFile edit = bent_bar();
   const Comparison comparison = compare_methods(edit, methods);
   ASSERT_EQ(comparison.outcomes.size(), methods.size());
@@ -60,8 +60,9 @@ TEST(Compare, EveryMethodMeetsTheConstraintsAndNamesItself) {
       EXPECT_LT((result.mesh.positions.row(v) - expected.mesh.positions.row(v)).norm(), 1e-12) << name;
     }
     const auto json = nlohmann::json::parse(write_report(result.report));
-    EXPECT_EQ(json["method"], name);
-    EXPECT_EQ(json["steps"][0]["method"], name);
+    const std::string method = std::holds_alternative<Preset>(outcome.method) ? "ft05" : name;
+    EXPECT_EQ(json["method"], method);
+    EXPECT_EQ(json["steps"][0]["method"], method);
     const bool published = std::holds_alternative<Baseline>(outcome.method);
     EXPECT_EQ(json["residual"].is_null(), published) << name;
     EXPECT_EQ(json["solver"].is_null(), published) << name;
@@ -73,7 +74,7 @@ TEST(Compare, EveryMethodMeetsTheConstraintsAndNamesItself) {
 
 TEST(Compare, AMethodThatFailsIsARow) {
   const EditFile anchored = bent_bar(R"(, "anchors": [{"select": {"nearest": [0, 0, 2]}}])");
-  const std::vector<Method> methods{DeformMethod::ft05, Baseline::lipman_2004};
+  const std::vector<Contender> methods{DeformMethod::ft05, Baseline::lipman_2004};
   const Comparison comparison = compare_methods(anchored, methods);
   EXPECT_TRUE(comparison.outcomes[0].result);
   EXPECT_FALSE(comparison.outcomes[1].result);
@@ -94,12 +95,12 @@ TEST(Compare, AMethodThatFailsIsARow) {
                                                            {"remedy", failure.remedy()},
                                                            {"notes", nlohmann::json::array()}}));
 
-  const std::vector<Method> only{Baseline::lipman_2004};
+  const std::vector<Contender> only{Baseline::lipman_2004};
   EXPECT_EQ(message_of(anchored, only), failure.what()) << "where all fail, that is the error";
 }
 
 TEST(Compare, RunsAllStepsByTheMethod) {
-  const std::vector<Method> methods{Baseline::arap_2007};
+  const std::vector<Contender> methods{Baseline::arap_2007};
   const Comparison comparison = compare_methods(bent_bar(R"(, "settings": {"method": "ft05"})", 2), methods);
   const EditReport& report = comparison.outcomes[0].result->report;
   ASSERT_EQ(report.steps.size(), 2u);
@@ -107,7 +108,7 @@ TEST(Compare, RunsAllStepsByTheMethod) {
 }
 
 TEST(Compare, PublishedMethodsRefineTheBoundaryToo) {
-  const std::vector<Method> methods{Baseline::yu_2004};
+  const std::vector<Contender> methods{Baseline::yu_2004};
   const Comparison plain = compare_methods(bent_bar(), methods);
   const Comparison refined = compare_methods(bent_bar(R"(, "settings": {"refine_boundary": 1})"), methods);
   ASSERT_TRUE(refined.outcomes[0].result) << refined.outcomes[0].failure->what();
@@ -118,7 +119,7 @@ TEST(Compare, PublishedMethodsRefineTheBoundaryToo) {
 }
 
 TEST(Compare, TheTableHasARowPerMethodAndACellPerMeasure) {
-  const std::vector<Method> methods{DeformMethod::corotational, Baseline::sorkine_2004};
+  const std::vector<Contender> methods{DeformMethod::corotational, Baseline::sorkine_2004};
   const std::string table = comparison_table(compare_methods(bent_bar(), methods));
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 4) << table;
   std::vector<std::ptrdiff_t> bars;
@@ -135,7 +136,7 @@ TEST(Compare, NotesStandBelowTheTable) {
   HandleMotion mirror;
   mirror.scale = {-1, 1, 1};
   std::get<DeformStep>(edit.steps[0].action).handles[0].pose.kind = mirror;
-  const std::vector<Method> methods{DeformMethod::corotational};
+  const std::vector<Contender> methods{DeformMethod::corotational};
   const Comparison comparison = compare_methods(edit, methods);
   EXPECT_NE(comparison_table(comparison).find("\n\n- corotational: a handle mirrors"), std::string::npos);
   const auto notes = nlohmann::json::parse(write_comparison(comparison))["methods"][0]["notes"];
@@ -156,7 +157,7 @@ TEST(Compare, SentencesAreInTheWordsOfTheInterface) {
   HandleMotion mirror;
   mirror.scale = {-1, 1, 1};
   std::get<DeformStep>(edit.steps[0].action).handles[0].pose.kind = mirror;
-  const std::vector<Method> methods{DeformMethod::corotational, Baseline::lipman_2004};
+  const std::vector<Contender> methods{DeformMethod::corotational, Baseline::lipman_2004};
   const Comparison comparison = compare_methods(edit, methods);
   const std::string table = comparison_table(comparison, by_id);
   EXPECT_NE(table.find("\n- corotational: says script.no_rotation. Do so."), std::string::npos) << table;
@@ -175,7 +176,7 @@ TEST(Compare, ProgressNamesAndCountsTheMethod) {
   context.progress = [&](const Progress& progress) {
     if (progress.stage == "solve") solving.emplace(progress.within, progress.number, progress.count);
   };
-  const std::vector<Method> methods{DeformMethod::ft05, Baseline::arap_2007};
+  const std::vector<Contender> methods{DeformMethod::ft05, Baseline::arap_2007};
   compare_methods(bent_bar(), methods, context);
   EXPECT_EQ(solving, (std::set<std::tuple<std::string, int, int>>{{"ft05", 1, 2}, {"arap-2007", 2, 2}}));
 }
@@ -187,7 +188,7 @@ TEST(Compare, StopsWhenAsked) {
   context.progress = [&](const Progress& progress) {
     if (progress.within == "arap-2007") stop.request_stop();
   };
-  const std::vector<Method> methods{DeformMethod::ft05, Baseline::arap_2007};
+  const std::vector<Contender> methods{DeformMethod::ft05, Baseline::arap_2007};
   try {
     compare_methods(bent_bar(), methods, context);
     FAIL();
@@ -205,8 +206,24 @@ TEST(Compare, RefusesNoMethodAndOneTwice) {
   EXPECT_NE(message_of(still, {DeformMethod::ft05}).find("no step deforms anything"), std::string::npos);
 }
 
+TEST(Compare, APresetTakesThePlaceOfAllSettings) {
+  const std::vector<Contender> methods{Preset::as_published, DeformMethod::ft05};
+  const Comparison comparison = compare_methods(bent_bar(R"(, "settings": {"laplacian_weight": 7})"), methods);
+  const EditReport& published = comparison.outcomes[0].result->report;
+  EXPECT_EQ(published.steps[0].settings.preset, Preset::as_published);
+  EXPECT_EQ(comparison.outcomes[0].result->mesh.positions,
+            run_edit(bent_bar(R"(, "settings": {"preset": "as-published"})")).mesh.positions);
+  EXPECT_EQ(comparison.outcomes[1].result->report.steps[0].settings.deformer.operators.laplacian_weight, 7);
+  EXPECT_NE(comparison_table(comparison).find("| as-published "), std::string::npos);
+}
+
 TEST(Method, NamesGoBothWays) {
   for (const Method& method : all_methods()) EXPECT_EQ(method_named(to_string(method)), method);
+  for (const Contender& contender : all_contenders()) {
+    EXPECT_EQ(contender_named(to_string(contender)), contender);
+    if (!std::holds_alternative<Preset>(contender)) continue;
+    EXPECT_THROW(method_named(to_string(contender)), Error);
+  }
   for (const auto& [wrong, nearest] :
        {std::pair{"arpa-2007", "Did you mean 'arap-2007'?"},
         std::pair{"nothing like it", "Known are corotational, rotation-aware, ft05"}})
