@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 #include <meshgraft/core/error.h>
@@ -168,6 +169,13 @@ std::vector<TangentTurn> tangent_turns(const Handle& handle, const RestSurface& 
   return turns;
 }
 
+// Returns a curve about its mean, relative to its size.
+Points of_unit_size(const Points& curve, const Eigen::VectorXd& weights) {
+  const Points about_mean = centred(curve, weights);
+  const double size = std::sqrt(weights.dot(about_mean.rowwise().squaredNorm()));
+  return size > 0 ? Points(about_mean / size) : about_mean;
+}
+
 // The proper rotation that fits a redrawn curve best to the curve at rest in the least-squares sense, weighted
 // by arc length (Kabsch 1976).
 struct CurveFit {
@@ -179,13 +187,7 @@ struct CurveFit {
   bool mirrors = false;   // the curves are flat, and the rotation turns over the plane of the first
 };
 
-CurveFit fit_curve(const Points& rest, const Points& redrawn, const Eigen::VectorXd& weights) {
-  const auto unit = [&](const Points& points) -> Points {
-    const Points about_mean = centred(points, weights);
-    const double size = std::sqrt(weights.dot(about_mean.rowwise().squaredNorm()));
-    return size > 0 ? Points(about_mean / size) : about_mean;
-  };
-  const Points before = unit(rest), after = unit(redrawn);
+CurveFit fit_curve(const Points& before, const Points& after, const Eigen::VectorXd& weights) {
   CurveFit fit;
   fit.covariance = after.transpose() * weights.asDiagonal() * before;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(fit.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -203,19 +205,62 @@ CurveFit fit_curve(const Points& rest, const Points& redrawn, const Eigen::Vecto
   return fit;
 }
 
+// Returns how far a value has come from one to another, from 0 to 1.
+double ramp(double value, double from, double to) { return std::clamp((value - from) / (to - from), 0.0, 1.0); }
+
+// The surface along a curve that lies in its tangent plane.
+struct CurvePlane {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of the surface, its mean
+  double hold =
+      0;  // weight of the normal in the covariance; above its width, the redrawn curve stays in the plane
+};
+
+// Returns the plane in which a redrawn curve stays. That is the tangent plane of the surface if the curve lies
+// in it before and after it is redrawn. The curves are of unit size. Each of the limits fades out, so that the
+// plane holds the less the less it is one.
+CurvePlane plane_of_curve(const Points& before, const Points& after, const Points& normals,
+                          const Eigen::VectorXd& weights) {
+  const Eigen::Vector3d mean = (weights.transpose() * normals).transpose() / weights.sum();
+  const double agreement = ramp(mean.norm(), 0.9, 0.97);  // 1: normals within some 25° of their mean
+  if (!(agreement > 0)) return {};
+  CurvePlane plane{mean.normalized()};
+  Eigen::Matrix<double, 3, 2> axes;
+  axes.col(0) = plane.normal.unitOrthogonal();
+  axes.col(1) = plane.normal.cross(axes.col(0));
+  const Eigen::MatrixX2d flat_before = before * axes, flat_after = after * axes;
+  const Eigen::VectorXd above_before = before * plane.normal, above_after = after * plane.normal;
+  const Eigen::Matrix2d spread = flat_before.transpose() * weights.asDiagonal() * flat_before;
+  const Eigen::Matrix2d covariance = flat_after.transpose() * weights.asDiagonal() * flat_before;
+  const Eigen::Vector2d sizes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread).eigenvalues();
+  const double width = sizes[0];  // squared
+  const double bent = ramp(width, straight * sizes[1], 4 * straight * sizes[1]);
+  if (!(bent > 0)) return {};
+  // A wide curve, such as a ring, becomes no mirror image within the plane: its inside would have to come out.
+  const double narrow = ramp(1 - width / sizes[1], 0, 0.5);
+  const double rise = weights.dot(above_before.cwiseAbs2()) / width;
+  const double lift = weights.dot((above_after - above_before).cwiseAbs2()) / width;
+  const double flat = (1 - ramp(rise, 0.03, 0.08)) * (1 - ramp(lift, 0.07, 0.25));  // up to 15° and 30°
+  // 1 for a curve that is only turned within the plane, below 0 for one that is mirrored.
+  const double kept = covariance.determinant() / spread.determinant();
+  const double sure = agreement * bent * narrow * flat * (1 - ramp(kept, 0, 0.5));
+  plane.hold = 2 * sure * Eigen::JacobiSVD<Eigen::Matrix2d>(covariance).singularValues()[1];
+  return plane;
+}
+
 // Returns the turn of a curve as a whole: the rotation of the fit for a similar copy. What is no copy tells
 // little of how a narrow curve turns about itself: over a line with a slight dip, an arch would fit best upside
 // down. The smallest rotations of the tangents are therefore added to the covariance, by the misfit of a narrow
-// curve; and to that of a straight curve, whose turn about itself is unknown.
-Eigen::Matrix3d turn_of_curve(const CurveFit& fit, const std::vector<TangentTurn>& tangents,
-                              const Eigen::VectorXd& weights) {
+// curve; and to that of a straight curve, whose turn about itself is unknown. So is the normal of a plane that
+// holds the curve.
+Eigen::Matrix3d turn_of_curve(const CurveFit& fit, const CurvePlane& plane,
+                              const std::vector<TangentTurn>& tangents, const Eigen::VectorXd& weights) {
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < tangents.size(); ++k)
     mean += weights[static_cast<Eigen::Index>(k)] / weights.sum() * tangents[k].smallest();
   constexpr double trust = 4;  // in the tangents; an arch over a dip of half its height stands upright
   const double share =
       trust * fit.narrowness * fit.narrowness * fit.misfit + std::max(0.0, straight - fit.width);
-  return nearest_rotation(fit.covariance + share * mean);
+  return nearest_rotation(fit.covariance + share * mean + plane.hold * plane.normal * plane.normal.transpose());
 }
 
 }  // namespace
@@ -249,48 +294,64 @@ Points redraw_curve(const Handle& handle, const Points& rest, const Points& poly
   return redrawn;
 }
 
-bool is_mirror_image(const Handle& handle, const Points& rest, const Points& redrawn) {
-  require_curve(handle, rest);
-  require_redrawn(handle, redrawn);
-  if (!handle.constrain_transform) return false;
-  const Points curve = rest_curve(handle, rest);
+namespace {
+
+// A curve that is redrawn with its transforms.
+struct RedrawnCurve {
+  std::vector<TangentTurn> tangents;
+  CurveFit fit;
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  // of the curve as a whole
+};
+
+RedrawnCurve turned_curve(const Handle& handle, const RestSurface& rest, const Points& redrawn) {
+  const Points curve = rest_curve(handle, rest.points);
   const Eigen::VectorXd weights = vertex_lengths(handle, curve);
-  const CurveFit fit = fit_curve(curve, redrawn, weights);
-  if (!fit.mirrors) return false;
-  const Points no_normals = Points::Zero(rest.rows(), 3);
-  const std::vector<TangentTurn> tangents = tangent_turns(handle, {rest, no_normals}, curve, redrawn);
+  RedrawnCurve turned{.tangents = tangent_turns(handle, rest, curve, redrawn)};
+  if (centred(curve, weights) == centred(redrawn, weights)) return turned;
+  const Points before = of_unit_size(curve, weights), after = of_unit_size(redrawn, weights);
+  turned.fit = fit_curve(before, after, weights);
+  const CurvePlane plane = plane_of_curve(before, after, rest.normals(handle.vertices, Eigen::all), weights);
+  turned.turn = turn_of_curve(turned.fit, plane, turned.tangents, weights);
+  return turned;
+}
+
+void require_normals(const Handle& handle, const RestSurface& rest) {
+  if (rest.normals.rows() != rest.points.rows())
+    throw Error(facts::core::SizeMismatch{.what = facts::core::Rows::rest_normals,
+                                          .given = rest.normals.rows(),
+                                          .needed = rest.points.rows()},
+                location_of(handle));
+}
+
+}  // namespace
+
+bool is_mirror_image(const Handle& handle, const RestSurface& rest, const Points& redrawn) {
+  require_curve(handle, rest.points);
+  require_redrawn(handle, redrawn);
+  require_normals(handle, rest);
+  if (!handle.constrain_transform) return false;
+  const RedrawnCurve turned = turned_curve(handle, rest, redrawn);
   constexpr double close = 0.5;  // some 20°
-  return (turn_of_curve(fit, tangents, weights) - fit.rotation).norm() < close;
+  return turned.fit.mirrors && (turned.turn - turned.fit.rotation).norm() < close;
 }
 
 std::vector<VertexConstraint> curve_constraints(const Handle& handle, const RestSurface& rest,
                                                 const Points& redrawn) {
   require_curve(handle, rest.points);
   require_redrawn(handle, redrawn);
-  if (rest.normals.rows() != rest.points.rows())
-    throw Error(facts::core::SizeMismatch{.what = facts::core::Rows::rest_normals,
-                                          .given = rest.normals.rows(),
-                                          .needed = rest.points.rows()},
-                location_of(handle));
-  const Points curve = rest_curve(handle, rest.points);
-  const Eigen::VectorXd weights = vertex_lengths(handle, curve);
-  std::vector<TangentTurn> tangents;
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  if (handle.constrain_transform) {
-    tangents = tangent_turns(handle, rest, curve, redrawn);
-    if (centred(curve, weights) != centred(redrawn, weights))
-      turn = turn_of_curve(fit_curve(curve, redrawn, weights), tangents, weights);
-  }
+  require_normals(handle, rest);
+  const RedrawnCurve turned = handle.constrain_transform ? turned_curve(handle, rest, redrawn) : RedrawnCurve();
   std::vector<VertexConstraint> constraints;
-  for (Eigen::Index k = 0; k < curve.rows(); ++k) {
+  for (Eigen::Index k = 0; k < redrawn.rows(); ++k) {
     VertexConstraint constraint;
     constraint.vertex = handle.vertices[k];
     if (handle.constrain_position) constraint.position = redrawn.row(k).transpose();
     if (handle.constrain_transform) {
-      const TangentTurn& tangent = tangents[k];
+      const TangentTurn& tangent = turned.tangents[k];
       // Fu & Tai 2005, section 4: new frame = Q · old frame. The frame turns with the curve first.
       const Eigen::Matrix3d rotation =
-          smallest_rotation(turn * tangent.before, tangent.after, turn * tangent.across) * turn;
+          smallest_rotation(turned.turn * tangent.before, tangent.after, turned.turn * tangent.across) *
+          turned.turn;
       constraint.transform = tangent.stretch * rotation;
     }
     constraints.push_back(constraint);

@@ -312,6 +312,24 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Lo
   return setup;
 }
 
+namespace {
+
+// Notes curves whose redrawn course is taken for half a turn.
+void note_mirrored_curves(const ResolvedProblem& problem, std::vector<Note>& notes, const Context& context) {
+  const std::vector<HandlePose>& poses = problem.deform.poses;
+  if (std::ranges::none_of(poses, [](const HandlePose& pose) { return pose.curve.has_value(); })) return;
+  const auto n = static_cast<Index>(problem.rest.rows());
+  const Points normals =
+      vertex_normals(problem.rest, problem.triangles, vertex_triangles(n, problem.triangles, context), context);
+  for (std::size_t h = 0; h < poses.size(); ++h) {
+    const Handle& handle = problem.deform.region.handles[h];
+    if (poses[h].curve && is_mirror_image(handle, {problem.rest, normals}, *poses[h].curve))
+      notes.push_back(facts::script::MirroredCurve{.handle = handle.name});
+  }
+}
+
+}  // namespace
+
 StepReport run_deform(const EditFile& edit, const DeformStep& step, const Location& location, MeshState& state,
                       const RunOptions& options, const Context& context) {
   Stopwatch watch;
@@ -336,12 +354,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
     const auto notes = pose_notes(*report.symmetry, deform.region.handles, deform.poses, problem.rest);
     report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   }
-  for (std::size_t h = 0; h < problem.deform.poses.size(); ++h) {
-    const Handle& handle = problem.deform.region.handles[h];
-    const std::optional<Points>& curve = problem.deform.poses[h].curve;
-    if (curve && is_mirror_image(handle, problem.rest, *curve))
-      report.notes.push_back(facts::script::MirroredCurve{.handle = handle.name});
-  }
+  note_mirrored_curves(problem, report.notes, context);
   report.counts.vertices = state.mesh.vertex_count();
   report.counts.faces = state.mesh.face_count();
   report.counts.fixed = static_cast<Index>(problem.deform.region.fixed.size());

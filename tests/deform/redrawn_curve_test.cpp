@@ -377,16 +377,18 @@ TEST(CurveConstraints, TurnWithTheTangentsWhereTheNewCourseIsNoCopy) {
     for (Eigen::Index k = 0; k < arch.rows(); ++k) arch(k, 2) = height * std::sin(pi * arch(k, 0));
     return arch;
   };
-  EXPECT_TRUE(is_mirror_image(valley.handle, valley.mesh.positions, arch_of(0.04)));
+  const Points valley_normals = valley.normals();
+  EXPECT_TRUE(is_mirror_image(valley.handle, {valley.mesh.positions, valley_normals}, arch_of(0.04)));
   for (const double height : {0.01, 0.09, 0.2})
-    EXPECT_FALSE(is_mirror_image(valley.handle, valley.mesh.positions, arch_of(height))) << height;
+    EXPECT_FALSE(is_mirror_image(valley.handle, {valley.mesh.positions, valley_normals}, arch_of(height)))
+        << height;
   // A hand never draws an exact copy; what it turns by is still seen.
   const RuledCurve bow = arc(0.1);
   for (const double angle : {0.5, 1.5, 2.5}) {
     const Eigen::Affine3d map = similarity(1, angle, {1, 0, 0});
     Points redrawn = redrawn_as(map, bow.points());
     for (Eigen::Index k = 0; k < redrawn.rows(); ++k)
-      redrawn.row(k) += 0.005 * Eigen::RowVector3d(0, std::sin(0.9 * static_cast<double>(k)),
+      redrawn.row(k) += 0.002 * Eigen::RowVector3d(0, std::sin(0.9 * static_cast<double>(k)),
                                                    std::cos(0.7 * static_cast<double>(k)));
     const Points normals = bow.normals();
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -404,8 +406,8 @@ TEST(CurveConstraints, TakeAMirrorImageInThePlaneForHalfATurn) {
     SCOPED_TRACE(sample.name);
     Points mirrored = sample.points();
     mirrored.col(1) *= -1;
-    EXPECT_TRUE(is_mirror_image(sample.handle, sample.mesh.positions, mirrored));
     const Points normals = sample.normals();
+    EXPECT_TRUE(is_mirror_image(sample.handle, {sample.mesh.positions, normals}, mirrored));
     const Eigen::Matrix3d half_turn = Eigen::Vector3d(1, -1, -1).asDiagonal();
     for (const auto& constraint : curve_constraints(sample.handle, {sample.mesh.positions, normals}, mirrored))
       EXPECT_LT((*constraint.transform - half_turn).norm(), 1e-9);
@@ -413,12 +415,150 @@ TEST(CurveConstraints, TakeAMirrorImageInThePlaneForHalfATurn) {
   // Another stroke is no mirror image, wherever it runs.
   Points stroke = arch.points();
   for (Eigen::Index k = 0; k < stroke.rows(); ++k) stroke(k, 1) *= -std::sin(static_cast<double>(k) / 4);
-  EXPECT_FALSE(is_mirror_image(arch.handle, arch.mesh.positions, stroke));
+  const Points arch_normals = arch.normals();
+  EXPECT_FALSE(is_mirror_image(arch.handle, {arch.mesh.positions, arch_normals}, stroke));
   for (const RuledCurve& sample : wide_curves()) {
-    EXPECT_FALSE(is_mirror_image(sample.handle, sample.mesh.positions, sample.points())) << sample.name;
+    const Points normals = sample.normals();
+    const RestSurface rest{sample.mesh.positions, normals};
+    EXPECT_FALSE(is_mirror_image(sample.handle, rest, sample.points())) << sample.name;
     const Eigen::Affine3d turn = similarity(2, 2.5, {1, 0, 0});
-    EXPECT_FALSE(is_mirror_image(sample.handle, sample.mesh.positions, redrawn_as(turn, sample.points())))
-        << sample.name;
+    EXPECT_FALSE(is_mirror_image(sample.handle, rest, redrawn_as(turn, sample.points()))) << sample.name;
+  }
+}
+
+// A bow on the edge of a sheet, flat or slightly domed: its mouth line.
+struct MouthLine {
+  double sag = 0.2, curvature = 0;
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+
+  Eigen::Vector3d point(double u, double sag_there, double v = 0) const {
+    const double x = u - 0.5, y = sag_there * std::sin(pi * u) + v;
+    return axes * Eigen::Vector3d(x, y, -0.5 * curvature * (x * x + y * y));
+  }
+  Eigen::Vector3d normal_at(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d local = axes.transpose() * point;
+    return (axes * Eigen::Vector3d(curvature * local.x(), curvature * local.y(), 1)).normalized();
+  }
+  RuledCurve at_rest() const {
+    constexpr int columns = 40;
+    RuledCurve line{.name = "sag " + std::to_string(sag) + ", curvature " + std::to_string(curvature)};
+    line.mesh = shapes::sheet({.columns = columns, .rows = 8},
+                              [&](double u, double v) { return point(u, sag, 0.6 * v); });
+    std::vector<Index> vertices(columns + 1);
+    for (Index k = 0; k <= columns; ++k) vertices[k] = k;
+    line.handle = curve(vertices);
+    return line;
+  }
+  Points redrawn(double amplitude) const {
+    Points points(41, 3);
+    for (Eigen::Index k = 0; k <= 40; ++k)
+      points.row(k) = point(static_cast<double>(k) / 40, amplitude * sag).transpose();
+    return points;
+  }
+};
+
+std::vector<MouthLine> mouth_lines() {
+  const Eigen::Matrix3d any = Eigen::AngleAxisd(2, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  return {{0.02}, {0.1}, {0.2}, {0.4}, {0.2, 0, any}, {0.2, 0.1}, {0.2, 0.2}, {0.4, 0.2, any}};
+}
+
+TEST(CurveConstraints, StayInASurfaceWithinWhichTheCurveIsRedrawn) {
+  for (const MouthLine& mouth : mouth_lines()) {
+    const RuledCurve line = mouth.at_rest();
+    const Points normals = line.normals();
+    const RestSurface rest{line.mesh.positions, normals};
+    for (int step = -40; step <= 40; ++step) {
+      SCOPED_TRACE(line.name + ", " + std::to_string(step) + "/20");
+      const Points redrawn = mouth.redrawn(step / 20.0);
+      EXPECT_FALSE(is_mirror_image(line.handle, rest, redrawn));
+      for (const auto& constraint : curve_constraints(line.handle, rest, redrawn)) {
+        const Eigen::Vector3d normal = *constraint.transform * normals.row(constraint.vertex).transpose();
+        const Eigen::Vector3d expected = mouth.normal_at(*constraint.position);
+        ASSERT_LT((normal.normalized() - expected).norm(), mouth.curvature == 0 ? 1e-9 : 0.35);
+      }
+    }
+  }
+}
+
+// A hand does not draw exactly within the surface.
+TEST(CurveConstraints, StayInASurfaceInSpiteOfATremor) {
+  for (const double sag : {0.1, 0.2, 0.4}) {
+    const MouthLine mouth{sag};
+    const RuledCurve line = mouth.at_rest();
+    const Points normals = line.normals();
+    for (int step = -40; step <= 40; ++step) {
+      SCOPED_TRACE(line.name + ", " + std::to_string(step) + "/20");
+      Points redrawn = mouth.redrawn(step / 20.0);
+      for (Eigen::Index k = 0; k < redrawn.rows(); ++k)
+        redrawn.row(k) += 0.005 * Eigen::RowVector3d(0, std::sin(0.9 * static_cast<double>(k)),
+                                                     std::cos(0.7 * static_cast<double>(k)));
+      Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+      for (const auto& constraint : curve_constraints(line.handle, {line.mesh.positions, normals}, redrawn))
+        sum += *constraint.transform;
+      EXPECT_GT(sum.col(2).normalized().z(), 0.999);
+    }
+  }
+}
+
+TEST(CurveConstraints, OfACopyThatLeavesTheSurfaceAreTheMapOfTheCopy) {
+  for (const MouthLine& mouth : mouth_lines()) {
+    const RuledCurve line = mouth.at_rest();
+    SCOPED_TRACE(line.name);
+    const Points normals = line.normals();
+    for (const Eigen::Vector3d& axis :
+         {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 0, 1)})
+      for (const double angle : {-3.1, -1.8, -0.4, 0.02, 0.5, 1.5, 1.8, 3.0}) {
+        if (axis.z() == 0 && std::abs(angle) > 2) continue;
+        const Eigen::Affine3d map = similarity(1.3, angle, mouth.axes * axis);
+        const Points redrawn = redrawn_as(map, line.points());
+        for (const auto& constraint : curve_constraints(line.handle, {line.mesh.positions, normals}, redrawn))
+          ASSERT_LT((*constraint.transform - map.linear()).norm(), 1e-9) << axis.transpose() << ", " << angle;
+      }
+  }
+}
+
+TEST(CurveConstraints, AreContinuousWhereTheCurveLeavesItsSurface) {
+  for (const MouthLine& mouth : mouth_lines()) {
+    const RuledCurve line = mouth.at_rest();
+    SCOPED_TRACE(line.name);
+    const Points normals = line.normals(), points = line.points();
+    const RestSurface rest{line.mesh.positions, normals};
+    const auto turned_over = [&](double share) {
+      return curve_constraints(line.handle, rest,
+                               redrawn_as(similarity(1, pi * share, mouth.axes.col(0)), points));
+    };
+    const auto mirrored = [&](double share) {
+      return curve_constraints(line.handle, rest, mouth.redrawn(1 - 3 * share));
+    };
+    // Where the copy comes near the plane again, its turn is taken back.
+    const double step = largest_step(turned_over, 500);
+    EXPECT_LT(step, 0.2);
+    EXPECT_LT(largest_step(turned_over, 1000), 0.6 * step);
+    EXPECT_LT(largest_step(mirrored, 500), 0.01);
+  }
+}
+
+TEST(RedrawnCurve, KeepsAFlatSheetFlat) {
+  // The mouth line of a sheet whose other edges are fixed.
+  const MouthLine mouth;
+  const RuledCurve line = mouth.at_rest();
+  Region region;
+  region.whole = true;
+  for (Index v = 41; v < line.mesh.vertex_count(); ++v)
+    if (v % 41 == 0 || v % 41 == 40 || v >= 8 * 41) region.fixed.push_back(v);
+  region.handles = {line.handle};
+  const Triangles triangles = triangulate(line.mesh).triangles;
+  for (const DeformMethod method :
+       {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
+    DeformerOptions options;
+    options.method = method;
+    const Deformer deformer(line.mesh.positions, triangles, region, options);
+    for (const double amplitude : {-1.0, -0.5, 0.0, 1.2}) {
+      HandlePose pose;
+      pose.curve = mouth.redrawn(amplitude);
+      const Points result = deformer.evaluate(std::vector{pose});
+      EXPECT_LT(result.col(2).cwiseAbs().maxCoeff(), 1e-12) << to_string(method) << ' ' << amplitude;
+    }
   }
 }
 

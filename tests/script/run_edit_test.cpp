@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -364,10 +365,27 @@ TEST_F(RunEdit, NotesACurveThatIsRedrawnAsItsMirrorImage) {
   };
   EXPECT_TRUE(notes_of("[[0, 0, 0], [11, 0, 0], [11, 11, 0]]").empty());
   EXPECT_TRUE(notes_of("[[0, 0, 0], [0, 0, 11], [0, 11, 11]]").empty());
-  const std::vector<Note> notes = notes_of("[[0, 0, 0], [11, 0, 0], [11, -11, 0]]");
+  EXPECT_TRUE(notes_of("[[0, 0, 0], [11, 0, 0], [11, -11, 0]]").empty()) << "the surface lies in the plane";
+  // Half of the rim of a tube, whose plane the surface does not lie in.
+  std::string arc;
+  for (int k = 0; k <= 16; ++k) {
+    const double angle = std::numbers::pi * k / 16;
+    arc += (k > 0 ? ", [" : "[") + std::to_string(0.5 * std::cos(angle)) + ", " +
+           std::to_string(-0.5 * std::sin(angle)) + ", 4]";
+  }
+  const EditFile edit = parse_edit(
+      R"({"format": "meshgraft-edit", "version": 2, "inputs": {"tube": {"sample": "cylinder", "resolution": 20}},
+                     "steps": [{"kind": "deform", "mesh": "tube",
+                                "fixed": {"half_space": {"point": [0, 0, 1], "normal": [0, 0, -1]}},
+                                "handles": [{"name": "rim", "shape": "curve",
+                                             "select": {"path": {"points": [[0.5, 0, 4], [0, 0.5, 4], [-0.5, 0, 4]]}},
+                                             "pose": {"curve": [)" +
+          arc + "]}}]}]}",
+      "edit.json");
+  const std::vector<Note> notes = run_edit(edit).report.steps[0].notes;
   ASSERT_EQ(notes.size(), 1U);
   EXPECT_EQ(notes[0].id(), "script.mirrored_curve");
-  EXPECT_EQ(notes[0].get<std::string>("handle"), "corner");
+  EXPECT_EQ(notes[0].get<std::string>("handle"), "rim");
 }
 
 TEST_F(RunEdit, FeaturesKeepTheirShape) {

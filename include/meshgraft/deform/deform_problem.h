@@ -119,10 +119,11 @@ struct RestSurface {
 ///
 /// So a curve that is redrawn as a similar copy of itself, T(curve), has W = the linear part of T, and acts as
 /// a handle with the pose T. A curve in a plane that is redrawn as its mirror image in that plane is turned by
-/// 180° (`is_mirror_image`). Where the new course of a narrow curve is no copy, its misfit draws Q towards the
-/// mean of the smallest rotations of the tangents; so does straightness, where the second singular value of the
-/// curve is below 1e-3 of the first. A curve that is not redrawn gives exactly W = I. Where the tangent is
-/// reversed (t' = −Q t), it turns about the normal.
+/// 180° (`is_mirror_image`), unless the plane is the tangent plane of the surface: there a bowed curve that is
+/// redrawn within the plane turns within it, too (docs/method.md). Where the new course of a narrow curve is no
+/// copy, its misfit draws Q towards the mean of the smallest rotations of the tangents; so does straightness,
+/// where the second singular value of the curve is below 1e-3 of the first. A curve that is not redrawn gives
+/// exactly W = I. Where the tangent is reversed (t' = −Q t), it turns about the normal.
 ///
 /// Throws Error(input) for a handle that is no curve, and with the id deform.curve_without_tangent where
 /// neighbouring points coincide so that the tangent is undefined.
@@ -131,7 +132,7 @@ std::vector<VertexConstraint> curve_constraints(const Handle& handle, const Rest
 
 /// Returns whether a curve in a plane is redrawn as its mirror image in that plane, which `curve_constraints`
 /// take for half a turn. Throws Error(input) for a handle that is no curve.
-bool is_mirror_image(const Handle& handle, const Points& rest, const Points& redrawn);
+bool is_mirror_image(const Handle& handle, const RestSurface& rest, const Points& redrawn);
 
 /// Returns the constraints of a handle's vertices under a pose, in their order, as far as the handle
 /// constrains them. The position is u = pose · p; W is the pose's linear part with its rotation and all its
