@@ -21,15 +21,6 @@ std::string_view severity_name(Severity severity) {
   return "";
 }
 
-std::string_view domain_name(Domain domain) {
-  switch (domain) {
-    case Domain::vertex: return "vertex";
-    case Domain::face: return "face";
-    case Domain::corner: return "corner";
-  }
-  return "";
-}
-
 std::string first_of(const std::vector<Index>& indices) {
   constexpr std::size_t limit = 8;
   const auto shown = static_cast<std::ptrdiff_t>(std::min(limit, indices.size()));
@@ -38,6 +29,15 @@ std::string first_of(const std::vector<Index>& indices) {
 }
 
 }  // namespace
+
+std::string_view domain_name(Domain domain) {
+  switch (domain) {
+    case Domain::vertex: return "vertex";
+    case Domain::face: return "face";
+    case Domain::corner: return "corner";
+  }
+  return "";
+}
 
 void print_findings(const Diagnostics& diagnostics, std::string_view label) {
   const auto line = [](std::string_view before, const std::string& text) {

@@ -9,6 +9,9 @@
 
 namespace meshgraft::cli {
 
+/// Returns "vertex", "face" or "corner".
+std::string_view domain_name(Domain domain);
+
 /// Prints the findings of a check, a few lines each: name, severity, count, first indices, remedy. The first
 /// finding follows `label`.
 void print_findings(const Diagnostics& diagnostics, std::string_view label);

@@ -41,7 +41,7 @@ DeformerOptions DeformerOptions::as_published() {
           .residual_corrections = 1};
 }
 
-Deformer::Impl::Impl(std::shared_ptr<const RestMesh> mesh, const Region& region,
+Deformer::Impl::Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& region,
                      std::span<const VertexConstraint> constraints, const DeformerOptions& chosen,
                      const Impl* other, const Context& context)
     : options(chosen),

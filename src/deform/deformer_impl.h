@@ -27,7 +27,7 @@ struct Deformer::Impl {
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05`, and if nothing is free
 
   /// `other` is null or a set-up on the same mesh, whose parts are shared where possible.
-  Impl(std::shared_ptr<const RestMesh> mesh, const Region& region,
+  Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& region,
        std::span<const VertexConstraint> constraints, const DeformerOptions& chosen, const Impl* other,
        const Context& context);
 

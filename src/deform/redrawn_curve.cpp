@@ -191,8 +191,9 @@ CurveFit fit_curve(const Points& before, const Points& after, const Eigen::Vecto
   CurveFit fit;
   fit.covariance = after.transpose() * weights.asDiagonal() * before;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(fit.covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d u = svd.matrixU(), v = svd.matrixV();
-  const Eigen::Vector3d sigma = svd.singularValues();
+  const Eigen::Matrix3d& u = svd.matrixU();
+  const Eigen::Matrix3d& v = svd.matrixV();
+  const Eigen::Vector3d& sigma = svd.singularValues();
   const double sign = u.determinant() * v.determinant() < 0 ? -1 : 1;
   fit.rotation = u * Eigen::Vector3d(1, 1, sign).asDiagonal() * v.transpose();
   fit.misfit = 0.5 * weights.dot((before * fit.rotation.transpose() - after).rowwise().squaredNorm());
