@@ -241,6 +241,7 @@ struct Server::Impl {
   bool ends_after_pages = false;
   std::list<std::weak_ptr<Connection>> pages;
   std::size_t connections = 0;
+  std::list<beast::tcp_stream*> waiting;  // connections without a request, the oldest first
   std::uint64_t uploaded_bytes = 0;
 
   void take_address();
@@ -324,7 +325,11 @@ asio::awaitable<void> Server::Impl::accept() {
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, failed));
       continue;
     }
-    if (connections >= options.connection_limit) continue;  // closes the socket
+    if (connections >= options.connection_limit) {  // the oldest idle connection makes room
+      if (waiting.empty()) continue;                // closes the new socket
+      waiting.front()->close();
+      waiting.pop_front();
+    }
     socket.set_option(tcp::no_delay(true), failed);
     ++connections;
     asio::co_spawn(io, serve(beast::tcp_stream(std::move(socket))),
@@ -407,6 +412,9 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
     co_return respond(request, http::status::ok, "text/plain; charset=utf-8", path.filename().string());
   std::filesystem::remove(path, ignored);
   if (failed == http::error::body_limit) co_return too_large();
+  if (failed == http::error::bad_chunk || failed == http::error::bad_chunk_extension)
+    co_return refuse(request, http::status::bad_request,
+                     fmt::format("The request is malformed: {}.", failed.message()));
   co_return refuse(request, http::status::insufficient_storage,
                    fmt::format("The file could not be kept: {}.", failed.message()));
 }
@@ -457,8 +465,12 @@ asio::awaitable<void> Server::Impl::serve(beast::tcp_stream stream) {
     parser.header_limit(header_limit);
     parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // the reader of the body sets a limit
     stream.expires_after(options.patience);
+    waiting.push_back(&stream);
     co_await http::async_read_header(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));
-    if (failed == http::error::end_of_stream || failed == beast::error::timeout) break;
+    waiting.remove(&stream);
+    if (failed == http::error::end_of_stream || failed == beast::error::timeout ||
+        failed == asio::error::operation_aborted)
+      break;
     const Request request = parser.get();
     Response response;
     try {

@@ -53,7 +53,7 @@ struct ServerOptions {
   std::uint64_t upload_limit = std::uint64_t{1} << 30;   ///< bytes of a file from the page
   std::uint64_t uploads_limit = std::uint64_t{8} << 30;  ///< bytes of all files from pages
   std::size_t page_limit = 32;                           ///< pages open at the same time
-  std::size_t connection_limit = 256;                    ///< connections at the same time; others are closed
+  std::size_t connection_limit = 256;  ///< at the same time; a further one closes the oldest idle one
   std::chrono::milliseconds patience = std::chrono::seconds(30);  ///< with a request that makes no progress
   std::filesystem::path upload_folder;                            ///< for uploads; empty: uploads are refused
   /// Origins, SCHEME://HOST:PORT, of other pages that may frame this one, and of servers that may forward
