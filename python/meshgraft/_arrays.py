@@ -16,6 +16,10 @@ def path(value: object, name: str) -> str:
     """Returns the path of a file as text."""
     if not isinstance(value, (str, os.PathLike)) or not isinstance(text := os.fspath(value), str):
         raise TypeError(f"{name}: expected a path, a str or an os.PathLike, not {type(value).__name__}")
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{name}: names of files are taken in UTF-8 alone, not {text!r}; rename the file") from None
     return text
 
 

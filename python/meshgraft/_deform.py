@@ -148,6 +148,8 @@ class _Posed(Generic[M]):
         return (threads, 0, None) if threads else self._default
 
     def _poses(self, poses: Mapping[str, Any] | None, named: Mapping[str, Any]) -> list[Any]:
+        if poses and (twice := poses.keys() & named.keys()):
+            raise TypeError(f"the handle {min(twice)!r} has two poses, in the dict and as a keyword")
         all_poses = {**poses, **named} if poses else named
         cores = [None if (pose := all_poses.get(name)) is None else pose_of(pose, name)._core for name in self._handles]
         if len(all_poses) > sum(core is not None for core in cores):

@@ -125,6 +125,10 @@ def test_errors_have_ids_and_places(bar, ends, tmp_path):
     with pytest.raises(FileNotFoundError) as caught:
         mg.Edit().input("bar", tmp_path / "gone.ply").deform("bar", handles=ends).run()
     assert caught.value.filename == str(tmp_path / "gone.ply") and "inputs.bar" in caught.value.location
+    with pytest.raises(ValueError, match="UTF-8"):
+        mg.read("\udcff.ply")
+    with pytest.raises(TypeError, match="'top' has two poses"):
+        mg.Deformer(bar, handles=ends).positions({"top": bend()}, top=bend())
     with pytest.raises(ValueError, match="Unicode"):
         mg.deform(bar, handles=ends, method="\udcff")
     with pytest.raises(IsADirectoryError):
