@@ -26,6 +26,7 @@
 #include "exit_status.h"
 #include "findings.h"
 #include "merge/loops.h"
+#include "outputs.h"
 #include "script/fact_json.h"
 #include "wording.h"
 
@@ -36,6 +37,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CheckArguments {
+  int threads = 0;
   std::uint64_t memory = 0;
   std::filesystem::path file;
   bool json = false;
@@ -131,12 +133,7 @@ std::string shell_word(const std::string& word) {
 // extension.
 std::string repair_command(const std::filesystem::path& mesh) {
   const std::filesystem::path input = mesh.native().starts_with('-') ? "." / mesh : mesh;
-  std::string extension = mesh.extension().string();
-  try {
-    require_mesh_format(mesh);
-  } catch (const Error&) {
-    extension = ".ply";  // the content alone tells the format
-  }
+  const std::string extension = names_a_mesh(mesh) ? mesh.extension().string() : ".ply";
   std::filesystem::path output = input.filename().stem();
   output += "_repaired" + extension;
   if (output.native().starts_with('-')) output = "." / output;
@@ -314,6 +311,7 @@ void check_edit_file(const CheckArguments& arguments, const Context& context) {
 }
 
 void run_check(const CheckArguments& arguments, Context context) {
+  context.threads = arguments.threads;
   context.memory = arguments.memory;
   context.step("read");
   if (arguments.file.extension() == ".json")
@@ -335,6 +333,7 @@ void add_check(CLI::App& program, Action& action) {
   command->add_flag("--intersections", arguments->intersections,
                     "Look for self-intersections also among more than a million triangles");
   command->footer("Example:\n  meshgraft check scan.ply && meshgraft check edit.json");
+  add_threads(*command, arguments->threads);
   add_memory(*command, arguments->memory);
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_check(*arguments, context); };

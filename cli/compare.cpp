@@ -15,6 +15,7 @@
 #include "cli/facts.h"
 #include "commands.h"
 #include "core/facts.h"
+#include "edit_run.h"
 #include "io/file.h"
 #include "outputs.h"
 #include "picture.h"
@@ -201,7 +202,7 @@ void run_compare(const CompareArguments& arguments, Context context) {
   context.threads = arguments.threads;
   context.memory = arguments.memory;
   const std::vector<Contender> methods = methods_of(arguments.methods);
-  const EditFile edit = read_edit_file(arguments.edit);
+  const EditFile edit = read_given_edit(arguments.edit);
   const bool ends_in_slash = !arguments.folder.has_filename();
   const ComparisonFiles files{ends_in_slash ? arguments.folder.parent_path() : arguments.folder,
                               mesh_extension(edit)};

@@ -35,6 +35,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CutArguments {
+  int threads = 0;
   std::uint64_t memory = 0;
   std::filesystem::path mesh, output, report, picture;
   std::string plane, loop;
@@ -238,6 +239,7 @@ WrittenCut write_outputs(const CutArguments& arguments, const SoundMesh& usable,
 }
 
 void run_cut(const CutArguments& arguments, Context context) {
+  context.threads = arguments.threads;
   context.memory = arguments.memory;
   const CutAlong asked = along(arguments);
   check_outputs(arguments);
@@ -304,6 +306,7 @@ void add_cut(CLI::App& program, Action& action) {
   command->footer(
       "Examples:\n  meshgraft cut horse.ply --plane y=0.4 --keep above -o head.ply\n"
       "  meshgraft cut horse.ply --loop 100,250,371 -o parts.ply --report parts.json");
+  add_threads(*command, arguments->threads);
   add_memory(*command, arguments->memory);
   command->callback(
       [arguments, &action] { action = [arguments](const Context& context) { run_cut(*arguments, context); }; });

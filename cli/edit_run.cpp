@@ -184,6 +184,12 @@ void add_overrides(CLI::App& command, EditRunArguments& arguments) {
 
 }  // namespace
 
+EditFile read_given_edit(const std::filesystem::path& file) {
+  if (std::filesystem::is_regular_file(file) && names_a_mesh(file))
+    throw Error(facts::cli::MeshForEdit{.mesh = file.string()}, file);
+  return read_edit_file(file);
+}
+
 void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
   command.add_option("edit", arguments.edit, "The edit file")->required()->type_name("EDIT.json");
   command
@@ -215,7 +221,7 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
 void run_edit_file(const EditRunArguments& arguments, Context context) {
   context.threads = arguments.threads;
   context.memory = arguments.memory;
-  EditFile edit = read_edit_file(arguments.edit);
+  EditFile edit = read_given_edit(arguments.edit);
   add_features(arguments.features, edit);
   const std::vector<Save> saves = saves_of(arguments, edit);
   check_outputs(arguments, saves, edit);

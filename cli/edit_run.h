@@ -9,11 +9,15 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/core/error.h>
+#include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/run_edit.h>
 
 #include "picture.h"
 
 namespace meshgraft::cli {
+
+/// Reads the edit file that a command was given. Throws Error(input) where it was given a mesh instead.
+EditFile read_given_edit(const std::filesystem::path& file);
 
 /// The arguments of `run` and `deform`: an edit file, the outputs, and settings that override the edit file.
 struct EditRunArguments {

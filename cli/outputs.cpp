@@ -76,6 +76,15 @@ void require_not_an_input(const fs::path& output, const std::vector<fs::path>& i
     throw Error(error, output);
 }
 
+bool names_a_mesh(const fs::path& file) {
+  try {
+    require_mesh_format(file);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 void require_png(const fs::path& output) {
   if (output.extension() != ".png" && output.extension() != ".PNG")
     throw Error(facts::cli::NotAPicture{}, output);
@@ -83,7 +92,8 @@ void require_png(const fs::path& output) {
 
 void require_writable(const fs::path& output) {
   const fs::path folder = folder_of(output);
-  if (!fs::is_directory(folder)) throw Error(facts::cli::NoSuchFolder{}, folder);
+  if (fs::exists(folder) && !fs::is_directory(folder)) throw Error(facts::cli::NotAFolder{}, folder);
+  if (!fs::exists(folder)) throw Error(facts::cli::NoSuchFolder{}, folder);
   if (!output.has_filename() || fs::is_directory(output)) throw Error(facts::io::IsFolder{}, output);
   if (fs::exists(output)) require_access(platform::check_may_write(output), output);
   if (!fs::exists(output) || fs::is_regular_file(output))

@@ -27,6 +27,9 @@ struct Outputs {
 void require_not_an_input(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs,
                           const Fact& error = facts::cli::OutputIsInput{});
 
+/// Returns whether the extension of a file is that of a mesh format.
+bool names_a_mesh(const std::filesystem::path& file);
+
 /// Throws Error(usage) unless the name ends in .png.
 void require_png(const std::filesystem::path& output);
 

@@ -32,6 +32,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct RepairArguments {
+  int threads = 0;
   std::uint64_t memory = 0;
   std::filesystem::path mesh, output, report, picture;
   // The steps that the command line switches off, and the values that it sets.
@@ -158,6 +159,7 @@ void check_repair_outputs(const RepairArguments& arguments) {
 }
 
 void run_repair(const RepairArguments& arguments, Context context) {
+  context.threads = arguments.threads;
   context.memory = arguments.memory;
   check_repair_outputs(arguments);
   context.step("read");
@@ -245,6 +247,7 @@ void add_repair(CLI::App& program, Action& action) {
   command->footer(
       "Examples:\n  meshgraft repair scan.ply --dry-run\n"
       "  meshgraft repair scan.ply -o clean.ply --fill-holes 60 --report repair.json");
+  add_threads(*command, arguments->threads);
   add_memory(*command, arguments->memory);
   command->callback([arguments, &action] {
     action = [arguments](const Context& context) { run_repair(*arguments, context); };

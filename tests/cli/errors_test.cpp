@@ -70,6 +70,8 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"compare edit.json -o sheet.obj", 5, "this is not a folder"},
       {"compare edit.json -o nowhere/there", 5, "nowhere"},
       {"sample", 2, "no sample is named"},
+      {"deform sheet.obj -o o.ply", 3, "error: sheet.obj: this is a mesh; the command takes an edit file"},
+      {"deform edit.json -o sheet.obj/o.ply", 5, "error: sheet.obj: this is not a folder"},
       {"deform broken.json -o o.ply", 3, "broken.json, line 1, column 2: is not valid JSON"},
       {"deform edit.json -o o.xyz", 3, ".xyz"},
       {"sample nothing -o o.ply", 3, "octopus"},

@@ -176,7 +176,7 @@ TEST_F(MergeEdit, NamesTheFieldThatDoesNotFit) {
        "steps[2].pairs[0].target_loop");
   says(R"("matches": [[999999, 0]])", "steps[2].matches[0]: there is no vertex 999999 among the source's");
   says(R"("pairs": [{"source_loop": {"loop": 9}, "target_loop": {"loop": 0}}])",
-       "the source has no boundary loop 9. Vertices of its 1 loop, from loop 0 on: ");
+       "the source has no boundary loop 9. Its 1 loop has so many vertices, from loop 0 on: ");
   says(R"("matches": [[0, 0]])", "steps[2].matches[0]: vertex 0 is not on a boundary of the source");
   says(R"("counts": {"source_vertices": 3})", "steps[2].counts.source_vertices: 3 expected");
   says(R"("at": {"vertex": 999999})", "steps[2].at: ");
