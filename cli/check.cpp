@@ -143,7 +143,7 @@ std::string repair_command(const std::filesystem::path& mesh) {
 // Openings may be meant. Closing them is a choice and mends nothing.
 bool is_choice(const RepairChange& change) { return change.kind == RepairChangeKind::filled_hole; }
 
-// What a repair would change, and whether it would leave a face.
+// The changes that a repair would make; `leaves_faces` tells whether a face would remain.
 struct RepairTrial {
   std::vector<RepairChange> changes;
   bool leaves_faces = false;

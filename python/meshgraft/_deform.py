@@ -104,8 +104,8 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
            region: Any = None, fixed: Any = None, targets: Mapping[int, ArrayLike] | None = None,
            transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None,
            features: Sequence[Any] | None = None, symmetry: Any = None,
-           proxy: int | None = None, refine_boundary: int | Literal["auto"] | None = None, weld: bool | None = None, threads: int = 0,
-           memory: int | None = None, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> M:
+           proxy: int | None = None, refine_boundary: int | Literal["auto"] | None = None, weld: bool | None = None,
+           threads: int = 0, memory: int | None = None, progress: Progress = None, **settings: Unpack[DeformKeywords]) -> M:
     """Deforms a mesh once, as `meshgraft deform` does; the result has the type of `mesh`.
 
     `handles`: vertices by name (an array, a mask, a selection or a Handle). `poses`: a Pose or a 4x4 matrix by the name

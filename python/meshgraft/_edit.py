@@ -114,7 +114,8 @@ class Edit:
                transforms: Mapping[int, ArrayLike] | None = None, anchors: Any = None,
                features: Sequence[Any] | None = None, symmetry: Any = None,
                result: str | None = None, name: str | None = None, about: str | None = None, proxy: int | None = None,
-               refine_boundary: int | Literal["auto"] | None = None, weld: bool | None = None, **settings: Unpack[DeformKeywords]) -> Self:
+               refine_boundary: int | Literal["auto"] | None = None, weld: bool | None = None,
+               **settings: Unpack[DeformKeywords]) -> Self:
         """Adds a deform step on a mesh by name. The arguments are those of `meshgraft.deform`."""
         given = {**settings, "proxy": proxy, "refine_boundary": refine_boundary, "weld": weld}
         step = deform_step(mesh, None, region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,

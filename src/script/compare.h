@@ -17,7 +17,7 @@ namespace meshgraft {
 
 struct LoadedInputs;
 
-/// What an edit is solved by in a comparison: a method, or a preset with a method and all its settings.
+/// Names how a comparison solves an edit: by a method, or a preset with a method and all its settings.
 using Contender = std::variant<DeformMethod, Baseline, Preset>;
 
 /// Returns the name, such as "corotational" or "as-published".

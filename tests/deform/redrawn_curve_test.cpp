@@ -530,7 +530,7 @@ TEST(CurveConstraints, AreContinuousWhereTheCurveLeavesItsSurface) {
     const auto mirrored = [&](double share) {
       return curve_constraints(line.handle, rest, mouth.redrawn(1 - 3 * share));
     };
-    // Where the copy comes near the plane again, its turn is taken back.
+    // The turn is taken back where the copy comes near the plane again.
     const double step = largest_step(turned_over, 500);
     EXPECT_LT(step, 0.2);
     EXPECT_LT(largest_step(turned_over, 1000), 0.6 * step);

@@ -52,7 +52,7 @@ TEST(UpAxis, IsThatOfTheFormatWhereNothingIsSaid) {
   }
 }
 
-// What stands with an axis up stands so in a file with comments, and after an edit of that file.
+// A model keeps the axis that is up in a file with comments, and through an edit of that file.
 TEST(UpAxis, IsKeptInFilesWithComments) {
   const TemporaryFolder folder;
   for (const UpAxis axis : {UpAxis::y, UpAxis::z})

@@ -358,7 +358,7 @@ TEST(Server, DisconnectsATabForWhichTooMuchWaits) {
   EXPECT_TRUE(next.is_open());
 }
 
-// Whoever opens connections and asks for nothing keeps nobody out.
+// Connections that ask for nothing keep nobody out.
 TEST(Server, AFurtherConnectionClosesTheOldestIdleOne) {
   ServerOptions options;
   options.connection_limit = 2;

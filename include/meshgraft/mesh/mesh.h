@@ -85,7 +85,7 @@ struct Mesh {
   Faces faces;                        ///< indices into `positions`
   std::vector<Attribute> attributes;  ///< names are unique within a domain
 
-  /// What is known of where the mesh comes from, such as its file; null for a mesh that was made of arrays.
+  /// Holds where the mesh comes from, such as its file; null for a mesh that was made of arrays.
   std::shared_ptr<const SourceDocument> source;
 
   Index vertex_count() const { return static_cast<Index>(positions.rows()); }

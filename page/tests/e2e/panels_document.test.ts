@@ -149,7 +149,7 @@ test("the preset is switched on and off, and the panel shows its settings", asyn
   expect(await density.inputValue()).toBe("ft05");
   expect(await page.getByLabel("Stiffness").count()).toBe(0);
   await user.screenshot("panels-preset");
-  // What the panel shows is what the edit is solved by.
+  // The edit is solved by the settings that the panel shows.
   await page.evaluate(async (path) => {
     await window.meshgraft.editor.ask({ do: "save", edit: path });
   }, harness.folder.file("preset.json"));
