@@ -18,7 +18,7 @@ Points deform_yu_2004(const EditProblem& problem, const BaselineOptions& options
 
 struct ArapResult {
   Points positions;
-  std::vector<double> energies;  ///< E of the paper's equation 3 at the start and after each iteration
+  std::vector<double> energies;  ///< the method's energy at the start and after each iteration
 };
 ArapResult deform_arap_2007(const EditProblem& problem, const BaselineOptions& options, const Context& context);
 
