@@ -24,12 +24,19 @@ enum class Baseline {
   yu_2004,
   /// Sorkine and Alexa, As-rigid-as-possible surface modeling, SGP 2007.
   arap_2007,
+  /// Levi and Gotsman, Smooth rotation enhanced as-rigid-as-possible mesh animation, TVCG 2015.
+  sr_arap_2015,
+  /// Oehri, Herholz, Sorkine-Hornung, Higher order continuity for smooth as-rigid-as-possible shape modeling,
+  /// arXiv 2501.10335, 2025.
+  smooth_arap_2025,
 };
 
-inline constexpr Baseline all_baselines[] = {Baseline::botsch_kobbelt_2004, Baseline::lipman_2004,
-                                             Baseline::sorkine_2004, Baseline::yu_2004, Baseline::arap_2007};
+inline constexpr Baseline all_baselines[] = {
+    Baseline::botsch_kobbelt_2004, Baseline::lipman_2004,  Baseline::sorkine_2004,    Baseline::yu_2004,
+    Baseline::arap_2007,           Baseline::sr_arap_2015, Baseline::smooth_arap_2025};
 
-/// Returns "botsch-kobbelt-2004", "lipman-2004", "sorkine-2004", "yu-2004" or "arap-2007".
+/// Returns "botsch-kobbelt-2004", "lipman-2004", "sorkine-2004", "yu-2004", "arap-2007", "sr-arap-2015" or
+/// "smooth-arap-2025".
 std::string_view to_string(Baseline value);
 
 /// The rule by which yu-2004 spreads the constrained local transforms over the free surface.
@@ -38,8 +45,15 @@ enum class Propagation {
   harmonic,  ///< as harmonic functions (Zayer, Rössl, Karni, Seidel, Harmonic guidance, Eurographics 2005)
 };
 
+/// What the local step of smooth-arap-2025 fits rotations to.
+enum class RotationFit {
+  edges,   ///< the edges alone, which converges better (the paper)
+  energy,  ///< all terms of the energy, which then never rises
+};
+
 /// Options of the published methods. Each default was chosen for the best edge lengths and dihedral angles on
-/// the four tests of Botsch and Sorkine (2008).
+/// the four tests of Botsch and Sorkine (2008), except the weights of sr-arap-2015 (CGAL's) and
+/// smooth-arap-2025 (its paper's).
 struct BaselineOptions {
   /// botsch-kobbelt-2004: the order k of the k-harmonic surface, 1 … 3. Order 3 needs handles that span many
   /// smooth rings.
@@ -53,8 +67,12 @@ struct BaselineOptions {
   WeightScheme lipman_weights = WeightScheme::cotangent;  ///< lipman-2004: Laplacian weights
   WeightScheme sorkine_weights = WeightScheme::uniform;   ///< sorkine-2004: Laplacian weights
   Propagation propagation = Propagation::distance;        ///< yu-2004: rule for the transforms
-  int arap_iterations = 100;                              ///< arap-2007: largest number of iterations
-  double arap_tolerance = 1e-6;  ///< arap-2007: relative change of energy at which to stop
+  int arap_iterations = 100;                              ///< methods with "arap": largest number of iterations
+  double arap_tolerance = 1e-6;  ///< methods with "arap": relative change of energy at which to stop
+  double sr_alpha = 0.01;        ///< sr-arap-2015: weight α of bending
+  WeightScheme sr_weights = WeightScheme::uniform;   ///< sr-arap-2015: weights between neighbouring rotations
+  double smoothness = 0.95;                          ///< smooth-arap-2025: share λ of the smooth term, 0 … 1
+  RotationFit smooth_arap_fit = RotationFit::edges;  ///< smooth-arap-2025: rule of the local step
   SolverBackend backend = SolverBackend::automatic;
 };
 

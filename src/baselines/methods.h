@@ -21,6 +21,10 @@ struct ArapResult {
   std::vector<double> energies;  ///< the method's energy at the start and after each iteration
 };
 ArapResult deform_arap_2007(const EditProblem& problem, const BaselineOptions& options, const Context& context);
+ArapResult deform_sr_arap_2015(const EditProblem& problem, const BaselineOptions& options,
+                               const Context& context);
+ArapResult deform_smooth_arap_2025(const EditProblem& problem, const BaselineOptions& options,
+                                   const Context& context);
 
 /// The naive editing that several methods begin with: ‖D x − δ‖² → min. D is the Laplacian and δ = D p are
 /// the detail vectors, not rotated.
