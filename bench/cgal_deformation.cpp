@@ -32,24 +32,25 @@ SurfaceMesh make_surface_mesh(const BenchEdit& edit) {
 }
 
 template <CGAL::Deformation_algorithm_tag tag>
-CgalResult run(const BenchEdit& edit, unsigned iterations, CgalClock clock) {
+CgalResult run(const BenchEdit& edit, const CgalOptions& options) {
   SurfaceMesh mesh = make_surface_mesh(edit);
 
-  const double start = now(clock);
+  const double start = now(options.clock);
   CGAL::Surface_mesh_deformation<SurfaceMesh, CGAL::Default, CGAL::Default, tag> deformation(mesh);
+  deformation.set_sre_arap_alpha(options.sre_alpha);
   for (const auto v : mesh.vertices()) deformation.insert_roi_vertex(v);
   for (const Index v : edit.fixed) deformation.insert_control_vertex(SurfaceMesh::Vertex_index(v));
   for (const Index v : edit.handle) deformation.insert_control_vertex(SurfaceMesh::Vertex_index(v));
-  const double constructed = now(clock);
+  const double constructed = now(options.clock);
   if (!deformation.preprocess()) throw std::runtime_error("CGAL's preprocess() failed");
-  const double preprocessed = now(clock);
+  const double preprocessed = now(options.clock);
   for (const Index v : edit.handle) {
     const Eigen::Vector3d target = edit.pose * edit.positions.row(v).transpose();
     deformation.set_target_position(SurfaceMesh::Vertex_index(v), Point(target[0], target[1], target[2]));
   }
-  const double targets_set = now(clock);
-  deformation.deform(iterations, 0);
-  const double deformed = now(clock);
+  const double targets_set = now(options.clock);
+  deformation.deform(options.iterations, 0);
+  const double deformed = now(options.clock);
 
   CgalResult result;
   result.times = {constructed - start, preprocessed - constructed, deformed - targets_set};
@@ -63,11 +64,11 @@ CgalResult run(const BenchEdit& edit, unsigned iterations, CgalClock clock) {
 
 }  // namespace
 
-CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations, CgalClock clock) {
+CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, const CgalOptions& options) {
   switch (method) {
-    case CgalMethod::original_arap: return run<CGAL::ORIGINAL_ARAP>(edit, iterations, clock);
-    case CgalMethod::spokes_and_rims: return run<CGAL::SPOKES_AND_RIMS>(edit, iterations, clock);
-    case CgalMethod::sre_arap: return run<CGAL::SRE_ARAP>(edit, iterations, clock);
+    case CgalMethod::original_arap: return run<CGAL::ORIGINAL_ARAP>(edit, options);
+    case CgalMethod::spokes_and_rims: return run<CGAL::SPOKES_AND_RIMS>(edit, options);
+    case CgalMethod::sre_arap: return run<CGAL::SRE_ARAP>(edit, options);
   }
   throw std::invalid_argument("unknown method");
 }

@@ -20,8 +20,13 @@ struct CgalResult {
 /// The clock of `CgalTimes`: real time, or the processor time of this process.
 enum class CgalClock { wall, processor };
 
+struct CgalOptions {
+  unsigned iterations = 100;
+  CgalClock clock = CgalClock::wall;
+  double sre_alpha = 0.02;  ///< the weight of bending; CGAL's default
+};
+
 /// Runs the edit once through CGAL's Surface_mesh_deformation with its default weights and linear solver.
-CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, unsigned iterations,
-                    CgalClock clock = CgalClock::wall);
+CgalResult run_cgal(const BenchEdit& edit, CgalMethod method, const CgalOptions& options = {});
 
 }  // namespace meshgraft::bench

@@ -50,7 +50,7 @@ BenchEdit read_edit() {
 void run(const std::string& method, unsigned iterations) {
   const BenchEdit edit = read_edit();
   const CgalResult result = run_cgal(edit, method == "sre" ? CgalMethod::sre_arap : CgalMethod::spokes_and_rims,
-                                     iterations, CgalClock::processor);
+                                     {.iterations = iterations, .clock = CgalClock::processor});
   const std::array<double, 3> seconds{result.times.construct_seconds, result.times.preprocess_seconds,
                                       result.times.deform_seconds};
   write(seconds.data(), seconds.size());

@@ -60,8 +60,9 @@ Method published(Baseline baseline) {
 }
 
 Method cgal(CgalMethod method, const std::string& name) {
-  return {"CGAL " + name,
-          [method](const BenchEdit& edit) { return run_cgal(edit, method, cgal_iterations).positions; }};
+  return {"CGAL " + name, [method](const BenchEdit& edit) {
+            return run_cgal(edit, method, {.iterations = cgal_iterations}).positions;
+          }};
 }
 
 std::vector<Method> all_methods() {

@@ -104,7 +104,7 @@ void run_surface_mesh_deformation(benchmark::State& state, const BenchEdit& edit
   CgalResult result;
   const PeakMemory memory;
   for ([[maybe_unused]] auto iteration : state) {
-    result = run_cgal(edit, method, cgal_iterations);
+    result = run_cgal(edit, method, {.iterations = cgal_iterations});
     report(state, {{"construct", result.times.construct_seconds},
                    {"preprocess", result.times.preprocess_seconds},
                    {"deform", result.times.deform_seconds}});
