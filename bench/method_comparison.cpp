@@ -1,7 +1,10 @@
 // Runs the four tests of Botsch and Sorkine by our methods, by published ones, and by CGAL. Prints the tables
 // of docs/methods.md as Markdown.
 //
-//   meshgraft_methods [--data FOLDER] [--table methods|ablations|stiffness] [--meshes FOLDER]
+//   meshgraft_methods [--data FOLDER] [--table methods|published|ablations|stiffness] [--cells quality|kinks]
+//                     [--only TEXT] [--meshes FOLDER]
+//
+// --only leaves out methods whose names do not contain the text.
 
 #include <cstdlib>
 #include <cstring>
@@ -53,15 +56,16 @@ Method ours(const std::string& name, const DeformerOptions& options) {
 
 Method ours(DeformMethod method) { return ours(std::string(to_string(method)), {.method = method}); }
 
-Method published(Baseline baseline) {
-  return {std::string(to_string(baseline)), [baseline](const BenchEdit& edit) {
-            return deform_by(baseline, {edit.positions, edit.triangles, {.whole = true}, constraints_of(edit)});
+Method published(Baseline baseline, const std::string& changed = "", const BaselineOptions& options = {}) {
+  return {std::string(to_string(baseline)) + changed, [baseline, options](const BenchEdit& edit) {
+            return deform_by(baseline, {edit.positions, edit.triangles, {.whole = true}, constraints_of(edit)},
+                             options);
           }};
 }
 
-Method cgal(CgalMethod method, const std::string& name) {
-  return {"CGAL " + name, [method](const BenchEdit& edit) {
-            return run_cgal(edit, method, {.iterations = cgal_iterations}).positions;
+Method cgal(CgalMethod method, const std::string& name, unsigned iterations = cgal_iterations) {
+  return {"CGAL " + name, [method, iterations](const BenchEdit& edit) {
+            return run_cgal(edit, method, {.iterations = iterations}).positions;
           }};
 }
 
@@ -74,8 +78,34 @@ std::vector<Method> all_methods() {
           published(Baseline::sorkine_2004),
           published(Baseline::yu_2004),
           published(Baseline::arap_2007),
+          published(Baseline::sr_arap_2015),
+          published(Baseline::smooth_arap_2025),
           cgal(CgalMethod::spokes_and_rims, "SPOKES_AND_RIMS"),
           cgal(CgalMethod::sre_arap, "SRE_ARAP")};
+}
+
+// Returns the published methods with their defaults and CGAL's, then those with "arap" with other settings.
+std::vector<Method> published_methods() {
+  std::vector<Method> methods;
+  for (const Baseline baseline : all_baselines) methods.push_back(published(baseline));
+  methods.push_back(cgal(CgalMethod::spokes_and_rims, "SPOKES_AND_RIMS"));
+  methods.push_back(cgal(CgalMethod::sre_arap, "SRE_ARAP"));
+  const auto add = [&](Baseline baseline, const std::string& changed, const BaselineOptions& options) {
+    methods.push_back(published(baseline, ", " + changed, options));
+  };
+  for (const double lambda : {0.5, 0.8, 0.9, 0.98, 0.99, 0.999})
+    add(Baseline::smooth_arap_2025, fmt::format("λ = {}", lambda), {.smoothness = lambda});
+  for (const double alpha : {0.001, 0.003, 0.03})
+    add(Baseline::sr_arap_2015, fmt::format("α = {}", alpha), {.sr_alpha = alpha});
+  add(Baseline::sr_arap_2015, "α = 0.001, cotangent",
+      {.sr_alpha = 0.001, .sr_weights = WeightScheme::cotangent});
+  add(Baseline::smooth_arap_2025, "all terms fitted", {.smooth_arap_fit = RotationFit::energy});
+  constexpr int many = 400;
+  const std::string long_run = fmt::format("{} iterations", many);
+  for (const Baseline baseline : {Baseline::arap_2007, Baseline::smooth_arap_2025, Baseline::sr_arap_2015})
+    add(baseline, long_run, {.arap_iterations = many, .arap_tolerance = 0});
+  methods.push_back(cgal(CgalMethod::sre_arap, "SRE_ARAP, " + long_run, many));
+  return methods;
 }
 
 // Returns the default method, and variants of it with one choice changed in each.
@@ -120,8 +150,33 @@ std::vector<Index> free_vertices(const BenchEdit& edit) {
   return free;
 }
 
-void print_table(const std::vector<StandardTest>& tests, const std::vector<Method>& methods,
+// The measures of a cell, and how the line above the table names them.
+struct Cells {
+  const char* heading;
+  std::function<std::string(const Quality&)> text;
+};
+
+const std::map<std::string, Cells> kinds_of_cells{
+    {"quality",
+     {"Edge RMS / dihedral change p99 (degrees) / smallest singular value / new self-intersections (product of "
+      "the first two).",
+      [](const Quality& quality) {
+        return fmt::format("{:.3f} / {:.1f} / {:.2f} / {} ({:.3f})", quality.edge_rms, quality.dihedral_p99_deg,
+                           quality.sigma_min, quality.new_self_intersections.value_or(-1),
+                           quality.edge_rms * quality.dihedral_p99_deg);
+      }}},
+    {"kinks",
+     {"Edge RMS × dihedral change p99 (degrees) / largest dihedral change / rim jump / flipped faces / new "
+      "self-intersections.",
+      [](const Quality& quality) {
+        return fmt::format("{:.3f} / {:.1f} / {:.1f} / {} / {}", quality.edge_rms * quality.dihedral_p99_deg,
+                           quality.dihedral_max_deg, quality.rim_jump_max_deg, quality.flipped_faces,
+                           quality.new_self_intersections.value_or(-1));
+      }}}};
+
+void print_table(const std::vector<StandardTest>& tests, const std::vector<Method>& methods, const Cells& cells,
                  const std::filesystem::path& meshes) {
+  fmt::print("{}\n\n", cells.heading);
   fmt::print("| method |");
   for (const StandardTest& test : tests) fmt::print(" {} |", test.name);
   fmt::print("\n|---|");
@@ -133,9 +188,7 @@ void print_table(const std::vector<StandardTest>& tests, const std::vector<Metho
       const Points edited = method.solve(test.edit);
       const Quality quality =
           measure_quality({test.edit.positions, edited, test.edit.triangles, free_vertices(test.edit)});
-      fmt::print(" {:.3f} / {:.1f} / {:.2f} / {} ({:.3f}) |", quality.edge_rms, quality.dihedral_p99_deg,
-                 quality.sigma_min, quality.new_self_intersections.value_or(-1),
-                 quality.edge_rms * quality.dihedral_p99_deg);
+      fmt::print(" {} |", cells.text(quality));
       std::fflush(stdout);
       if (!meshes.empty())
         write_mesh(make_mesh(edited, test.edit.triangles), meshes / (test.name + " " + method.name + ".ply"));
@@ -145,22 +198,27 @@ void print_table(const std::vector<StandardTest>& tests, const std::vector<Metho
 }
 
 int run(int argc, char** argv) {
-  std::map<std::string, std::string> arguments{{"--table", "methods"}};
+  std::map<std::string, std::string> arguments{{"--table", "methods"}, {"--cells", "quality"}};
   for (int k = 1; k + 1 < argc; k += 2) arguments[argv[k]] = argv[k + 1];
-  const std::map<std::string, std::function<std::vector<Method>()>> tables{
-      {"methods", all_methods}, {"ablations", ablations}, {"stiffness", stiffnesses}};
+  const std::map<std::string, std::function<std::vector<Method>()>> tables{{"methods", all_methods},
+                                                                           {"published", published_methods},
+                                                                           {"ablations", ablations},
+                                                                           {"stiffness", stiffnesses}};
   const auto table = tables.find(arguments["--table"]);
-  if (argc % 2 == 0 || table == tables.end()) {
+  const auto cells = kinds_of_cells.find(arguments["--cells"]);
+  if (argc % 2 == 0 || table == tables.end() || cells == kinds_of_cells.end()) {
     fmt::print(
         stderr,
-        "usage: meshgraft_methods [--data FOLDER] [--table methods|ablations|stiffness] [--meshes FOLDER]\n");
+        "usage: meshgraft_methods [--data FOLDER] [--table methods|published|ablations|stiffness] [--cells "
+        "quality|kinks] [--only TEXT] [--meshes FOLDER]\n");
     return 2;
   }
   const auto tests = arguments.contains("--data") ? read_tests(arguments["--data"]) : sample_tests();
-  fmt::print(
-      "Edge RMS / dihedral change p99 (degrees) / smallest singular value / new self-intersections (product "
-      "of the first two).\n\n");
-  print_table(tests, table->second(), arguments["--meshes"]);
+  std::vector<Method> methods = table->second();
+  std::erase_if(methods, [&](const Method& method) {
+    return method.name.find(arguments["--only"]) == std::string::npos;
+  });
+  print_table(tests, methods, cells->second, arguments["--meshes"]);
   return 0;
 }
 
