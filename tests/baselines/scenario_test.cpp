@@ -1,6 +1,5 @@
 // The four standard tests of Botsch and Sorkine (On linear variational surface deformation methods, 2008).
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -18,17 +17,12 @@
 
 #include "baselines/baselines.h"
 #include "io/selection_files.h"
+#include "support/paths.h"
 
 namespace meshgraft::test {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* variable = std::getenv("MESHGRAFT_DATA");
-  const std::filesystem::path data =
-      variable != nullptr ? std::filesystem::path(variable)
-                          : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
-  return data / "botsch-sorkine";
-}
+std::filesystem::path standard_tests() { return data_folder() / "botsch-sorkine"; }
 
 std::string read_text(const std::filesystem::path& path) {
   std::ostringstream text;
@@ -44,7 +38,7 @@ struct StandardTest {
   std::vector<VertexConstraint> constraints;
 
   explicit StandardTest(const std::string& name) {
-    std::ifstream off(data_folder() / (name + ".off"));
+    std::ifstream off(standard_tests() / (name + ".off"));
     std::string word;
     Index vertices = 0, faces = 0, edges = 0, corners = 0;
     off >> word >> vertices >> faces >> edges;
@@ -53,8 +47,8 @@ struct StandardTest {
     for (double& value : rest.reshaped<Eigen::RowMajor>()) off >> value;
     for (Index t = 0; t < faces; ++t) off >> corners >> triangles(t, 0) >> triangles(t, 1) >> triangles(t, 2);
     if (!off) throw std::runtime_error(name + ": the OFF file cannot be read");
-    selection = parse_sel(read_text(data_folder() / (name + ".sel")), vertices, Location::file(name));
-    const Eigen::Affine3d move(parse_def(read_text(data_folder() / (name + ".def")), Location::file(name)));
+    selection = parse_sel(read_text(standard_tests() / (name + ".sel")), vertices, Location::file(name));
+    const Eigen::Affine3d move(parse_def(read_text(standard_tests() / (name + ".def")), Location::file(name)));
     for (Index v : selection.fixed)
       constraints.push_back({v, Eigen::Vector3d(rest.row(v)), Eigen::Matrix3d::Identity()});
     for (Index v : selection.handle)
@@ -73,8 +67,8 @@ class StandardTests : public testing::TestWithParam<Expected> {};
 
 TEST_P(StandardTests, GiveTheKnownQuality) {
   const Expected& expected = GetParam();
-  if (!std::filesystem::exists(data_folder() / (std::string(expected.test) + ".off")))
-    GTEST_SKIP() << "no test data in " << data_folder() << "; set MESHGRAFT_DATA";
+  if (!std::filesystem::exists(standard_tests() / (std::string(expected.test) + ".off")))
+    GTEST_SKIP() << "no test data in " << standard_tests() << "; set MESHGRAFT_DATA";
   const StandardTest test(expected.test);
   const Points edited =
       deform_by(expected.method, {test.rest, test.triangles, {.whole = true}, test.constraints});
@@ -132,8 +126,8 @@ class DefaultMethod : public testing::TestWithParam<Standing> {};
 
 TEST_P(DefaultMethod, IsNotBeatenInBothMeasuresAtOnceAndDoesNotFold) {
   const Standing& standing = GetParam();
-  if (!std::filesystem::exists(data_folder() / (std::string(standing.test) + ".off")))
-    GTEST_SKIP() << "no test data in " << data_folder() << "; set MESHGRAFT_DATA";
+  if (!std::filesystem::exists(standard_tests() / (std::string(standing.test) + ".off")))
+    GTEST_SKIP() << "no test data in " << standard_tests() << "; set MESHGRAFT_DATA";
   const StandardTest test(standing.test);
   const auto quality_of = [&](const Points& edited, bool self_intersections) {
     return measure_quality({test.rest, edited, test.triangles, test.selection.free},

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include "support/paths.h"
+
 namespace meshgraft::test {
 
 struct Outcome {
@@ -68,7 +70,7 @@ class CommandLine : public ::testing::Test {
   }
 
   Outcome run(const std::string& arguments, const std::string& before = "") const {
-    const std::string command = "cd '" + folder_.string() + "' && " + before + "'" MESHGRAFT_PROGRAM "' " +
+    const std::string command = "cd '" + folder_.string() + "' && " + before + "'" + program() + "' " +
                                 arguments + " > .out 2> .err < /dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read_text(folder_ / ".out"),

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
+#include "support/paths.h"
 
 namespace meshgraft::test {
 namespace {
@@ -97,7 +98,7 @@ TEST_F(CommandLine, AFullDiskIsAnError) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   const std::string mesh = (folder_ / "sheet.obj").string();
   const int status =
-      std::system(("'" MESHGRAFT_PROGRAM "' info '" + mesh + "' > /dev/full 2> /dev/null").c_str());
+      std::system((std::string("'") + program() + "' info '" + mesh + "' > /dev/full 2> /dev/null").c_str());
   EXPECT_EQ(WEXITSTATUS(status), 5);
 }
 
@@ -152,7 +153,7 @@ TEST_F(CommandLine, CtrlCLeavesNothingBehind) {
     ASSERT_GE(child, 0);
     if (child == 0) {
       if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
-      execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, command, "long.json", "-o", "long.ply", nullptr);
+      execl(program(), program(), command, "long.json", "-o", "long.ply", nullptr);
       _exit(99);
     }
     wait_until_at_work(child);
@@ -183,10 +184,10 @@ TEST_F(CommandLine, CtrlCEndsTheWriteOfAReportIntoAFullPipe) {
     ASSERT_GE(child, 0);
     if (child == 0) {
       if (chdir(folder_.c_str()) != 0 || !std::freopen(".err", "w", stderr)) _exit(99);
-      std::vector<const char*> all = {MESHGRAFT_PROGRAM};
+      std::vector<const char*> all = {program()};
       all.insert(all.end(), arguments.begin(), arguments.end());
       all.push_back(nullptr);
-      execv(MESHGRAFT_PROGRAM, const_cast<char* const*>(all.data()));
+      execv(program(), const_cast<char* const*>(all.data()));
       _exit(99);
     }
     // The report comes last, after the mesh.
@@ -214,7 +215,7 @@ TEST_F(CommandLine, EditServesUntilCtrlC) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     if (chdir(folder_.c_str()) != 0 || !std::freopen(".out", "w", stdout)) _exit(99);
-    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "edit", "--no-browser", "--folder", ".", "sheet.obj", nullptr);
+    execl(program(), program(), "edit", "--no-browser", "--folder", ".", "sheet.obj", nullptr);
     _exit(99);
   }
   for (int waits = 0; waits < 1000 && read_text(folder_ / ".out").empty(); ++waits)
@@ -239,7 +240,7 @@ TEST_F(CommandLine, EditKeepsItsTokenFromOtherUsers) {
     const std::string path = (folder_ / "bin").string() + ":" + std::getenv("PATH");
     if (chdir(folder_.c_str()) != 0 || !std::freopen(".out", "w", stdout)) _exit(99);
     setenv("PATH", path.c_str(), 1);
-    execl(MESHGRAFT_PROGRAM, MESHGRAFT_PROGRAM, "edit", "--port", "0", "sheet.obj", nullptr);
+    execl(program(), program(), "edit", "--port", "0", "sheet.obj", nullptr);
     _exit(99);
   }
   for (int waits = 0; waits < 1000 && read_text(folder_ / ".opened").empty(); ++waits)

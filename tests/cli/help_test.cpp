@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
+#include "support/paths.h"
 
 namespace meshgraft::test {
 namespace {
@@ -53,7 +54,7 @@ TEST_F(CommandLine, MessagesNameCommandsAndOptionsThatExist) {
   if (run("render --help").status != 0) known += " -l from -l up";  // built without the renderer
   const std::regex named("--([a-z][a-z-]+)|'meshgraft ([a-z]+)");
   for (const char* table : {"cli/facts.json", "cli/texts.json"}) {
-    const std::string text = read_text(std::filesystem::path(MESHGRAFT_SOURCE_DIR) / table);
+    const std::string text = read_text(source_path(table));
     for (std::sregex_iterator one(text.begin(), text.end(), named), end; one != end; ++one) {
       const std::string word = (*one)[1].matched ? " -l " + (*one)[1].str() : " -a " + (*one)[2].str();
       EXPECT_NE(known.find(word), std::string::npos) << table << ": " << one->str();
@@ -62,16 +63,16 @@ TEST_F(CommandLine, MessagesNameCommandsAndOptionsThatExist) {
 }
 
 TEST_F(CommandLine, BashCompletesCommandsOptionsAndValues) {
-  write("complete.sh", "source <('" MESHGRAFT_PROGRAM
-                       "' completion bash)\n"
-                       "complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _meshgraft; echo "
-                       "\"${COMPREPLY[*]}\"; }\n"
-                       "complete_words meshgraft de\n"
-                       "complete_words meshgraft deform --wei\n"
-                       "complete_words meshgraft deform --weights c\n"
-                       "complete_words meshgraft sample oct\n"
-                       "complete_words meshgraft info she\n"
-                       "complete_words meshgraft compare --methods ar\n");
+  write("complete.sh", std::string("source <('") + program() +
+                           "' completion bash)\n"
+                           "complete_words() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _meshgraft; echo "
+                           "\"${COMPREPLY[*]}\"; }\n"
+                           "complete_words meshgraft de\n"
+                           "complete_words meshgraft deform --wei\n"
+                           "complete_words meshgraft deform --weights c\n"
+                           "complete_words meshgraft sample oct\n"
+                           "complete_words meshgraft info she\n"
+                           "complete_words meshgraft compare --methods ar\n");
   const Outcome outcome = run("--version > /dev/null; bash complete.sh");
   EXPECT_EQ(outcome.out, "deform\n--weights\ncotangent\noctopus\nsheet.obj\narap-2007\n") << outcome.err;
 }

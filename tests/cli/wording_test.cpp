@@ -17,6 +17,7 @@
 #include "cli/wording.h"
 #include "merge/facts.h"
 #include "mesh/facts.h"
+#include "support/paths.h"
 
 namespace meshgraft::cli {
 
@@ -73,7 +74,7 @@ TEST(Wording, IdsAreToldApart) {
 
 TEST(Wording, OwnTextsAreOfFactsThatExistAndSayAnotherThing) {
   std::set<std::string> unknown;
-  const json own = json::parse(std::ifstream(MESHGRAFT_SOURCE_DIR "/cli/texts.json"));
+  const json own = json::parse(std::ifstream(test::source_path("cli/texts.json")));
   for (const auto& [id, text] : own.items()) unknown.insert(id);
   for (const FactType* type : all_types()) {
     if (unknown.erase(std::string(type->id)) == 0) continue;

@@ -1,7 +1,6 @@
 // The results of the public editing tasks are those that their files expect.
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 
@@ -15,6 +14,7 @@
 
 #include "io/file.h"
 #include "support/mesh_families.h"
+#include "support/paths.h"
 #include "support/scene_edits.h"
 #include "support/variants.h"
 
@@ -24,13 +24,7 @@ namespace {
 using Eigen::Vector3d;
 using nlohmann::json;
 
-std::filesystem::path scenario_folder() {
-  const char* variable = std::getenv("MESHGRAFT_DATA");
-  const std::filesystem::path data =
-      variable != nullptr ? std::filesystem::path(variable)
-                          : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
-  return data / "scenarios";
-}
+std::filesystem::path scenario_folder() { return test::data_folder() / "scenarios"; }
 
 std::vector<std::filesystem::path> deform_scenarios() {
   std::vector<std::filesystem::path> files;

@@ -15,6 +15,7 @@
 #include "editor/document.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
+#include "support/paths.h"
 
 namespace meshgraft::test {
 namespace {
@@ -142,10 +143,9 @@ TEST(Protocol, IsSpokenAsItsSchemaSays) {
   page.refusal({{"do", "discard"}});
   page.refusal({{"do", "done"}});
   const fs::path file = folder.file("conversation.jsonl", page.conversation());
-  const std::string command = std::string(MESHGRAFT_PYTHON) +
-                              " " MESHGRAFT_SOURCE_DIR
-                              "/tests/editor/protocol_schema_test.py " MESHGRAFT_SOURCE_DIR " " +
-                              file.string();
+  const std::string command = std::string(python()) + " " +
+                              source_path("tests/editor/protocol_schema_test.py").string() + " " +
+                              source_path("").string() + " " + file.string();
   const int status = std::system(command.c_str());
   if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "python3-jsonschema is missing";
   EXPECT_EQ(status, 0);

@@ -1,25 +1,20 @@
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "io/file.h"
+#include "support/paths.h"
 #include "temporary_folder.h"
 
 namespace meshgraft {
 namespace {
 
-std::filesystem::path data_folder() {
-  if (const char* folder = std::getenv("MESHGRAFT_DATA")) return folder;
-  return std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
 std::vector<std::filesystem::path> data_files() {
   std::vector<std::filesystem::path> files;
   for (const char* part : {"models", "open", "procedural"}) {
-    const std::filesystem::path folder = data_folder() / part;
+    const std::filesystem::path folder = test::data_folder() / part;
     if (!std::filesystem::is_directory(folder)) continue;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       const std::string extension = entry.path().extension().string();
@@ -32,7 +27,7 @@ std::vector<std::filesystem::path> data_files() {
 
 TEST(DataFiles, AreWrittenBackByteForByte) {
   const auto files = data_files();
-  if (files.empty()) GTEST_SKIP() << "no models in " << data_folder();
+  if (files.empty()) GTEST_SKIP() << "no models in " << test::data_folder();
   const test::TemporaryFolder folder;
   for (const auto& path : files) {
     SCOPED_TRACE(path.filename().string());
@@ -46,7 +41,7 @@ TEST(DataFiles, AreWrittenBackByteForByte) {
 
 TEST(DataFiles, AMovedVertexChangesItsOwnBytesOnly) {
   const auto files = data_files();
-  if (files.empty()) GTEST_SKIP() << "no models in " << data_folder();
+  if (files.empty()) GTEST_SKIP() << "no models in " << test::data_folder();
   const test::TemporaryFolder folder;
   for (const auto& path : files) {
     SCOPED_TRACE(path.filename().string());
@@ -70,7 +65,7 @@ TEST(DataFiles, AMovedVertexChangesItsOwnBytesOnly) {
 
 TEST(DataFiles, KeepShapeAndFacesWhenTheyChangeFormat) {
   const auto files = data_files();
-  if (files.empty()) GTEST_SKIP() << "no models in " << data_folder();
+  if (files.empty()) GTEST_SKIP() << "no models in " << test::data_folder();
   const test::TemporaryFolder folder;
   for (const auto& path : files) {
     SCOPED_TRACE(path.filename().string());

@@ -1,5 +1,4 @@
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -14,6 +13,7 @@
 #include <meshgraft/core/error.h>
 
 #include "io/selection_files.h"
+#include "support/paths.h"
 
 namespace meshgraft {
 namespace {
@@ -86,9 +86,7 @@ TEST(ParseDef, NamesTheLine) {
 }
 
 TEST(ParseSelAndDef, ReadTheFilesOfTheStandardTests) {
-  const char* variable = std::getenv("MESHGRAFT_DATA");
-  const std::filesystem::path data = variable ? std::filesystem::path(variable)
-                                              : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path data = test::data_folder();
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "no test data in " << data << "; set MESHGRAFT_DATA";
   const auto text_of = [&](const std::string& file) {
     std::ifstream in(data / "botsch-sorkine" / file);

@@ -1,6 +1,5 @@
 // The results of the public merging tasks are those that their files expect.
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -11,19 +10,14 @@
 #include <meshgraft/script/run_edit.h>
 
 #include "io/file.h"
+#include "support/paths.h"
 
 namespace meshgraft {
 namespace {
 
 using nlohmann::json;
 
-std::filesystem::path scenario_folder() {
-  const char* variable = std::getenv("MESHGRAFT_DATA");
-  const std::filesystem::path data =
-      variable != nullptr ? std::filesystem::path(variable)
-                          : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
-  return data / "scenarios";
-}
+std::filesystem::path scenario_folder() { return test::data_folder() / "scenarios"; }
 
 std::vector<std::filesystem::path> merge_scenarios() {
   std::vector<std::filesystem::path> files;

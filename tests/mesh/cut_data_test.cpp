@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <random>
 #include <set>
@@ -12,20 +11,17 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "support/paths.h"
+
 namespace meshgraft {
 namespace {
 
 constexpr int planes_per_model = 6, loops_per_model = 3;
 
-std::filesystem::path data_folder() {
-  if (const char* folder = std::getenv("MESHGRAFT_DATA")) return folder;
-  return std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
-}
-
 std::vector<std::filesystem::path> models() {
   std::vector<std::filesystem::path> files;
   for (const char* part : {"models", "open"}) {
-    const std::filesystem::path folder = data_folder() / part;
+    const std::filesystem::path folder = test::data_folder() / part;
     if (!std::filesystem::is_directory(folder)) continue;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
       const std::string extension = entry.path().extension().string();
@@ -86,7 +82,7 @@ std::vector<Index> stations_beside(const CutResult& cut, std::size_t count) {
 
 TEST(CutData, RandomPlanesAndLoopsThroughTheModels) {
   const auto files = models();
-  if (files.empty()) GTEST_SKIP() << "no models in " << data_folder() << "; set MESHGRAFT_DATA";
+  if (files.empty()) GTEST_SKIP() << "no models in " << test::data_folder() << "; set MESHGRAFT_DATA";
   for (const auto& path : files) {
     const Mesh mesh = read_mesh(path);
     if (mesh.vertex_count() > 50000) continue;

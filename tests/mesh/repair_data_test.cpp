@@ -21,6 +21,7 @@
 #include "mesh/area_vector.h"
 #include "support/defects.h"
 #include "support/mesh_files.h"
+#include "support/paths.h"
 #include "support/surface_losses.h"
 
 namespace meshgraft {
@@ -34,16 +35,12 @@ struct DataMesh {
   RepairResult result;
 };
 
-std::filesystem::path folder_of(const char* variable, const std::filesystem::path& otherwise) {
-  const char* folder = std::getenv(variable);
-  return folder ? std::filesystem::path(folder) : otherwise;
-}
-
 std::vector<DataMesh> read_meshes() {
-  std::vector<std::filesystem::path> files = test::mesh_files(
-      folder_of("MESHGRAFT_DATA", std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data"));
-  const auto scans = test::mesh_files(folder_of("MESHGRAFT_SCANS", "no scans"));
-  files.insert(files.end(), scans.begin(), scans.end());
+  std::vector<std::filesystem::path> files = test::mesh_files(test::data_folder());
+  if (const char* folder = std::getenv("MESHGRAFT_SCANS")) {
+    const auto scans = test::mesh_files(folder);
+    files.insert(files.end(), scans.begin(), scans.end());
+  }
   std::vector<DataMesh> meshes;
   for (const std::filesystem::path& path : files) {
     try {

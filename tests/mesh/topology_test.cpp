@@ -15,6 +15,7 @@
 #include <meshgraft/core/error.h>
 
 #include "mesh/shapes.h"
+#include "support/paths.h"
 
 namespace meshgraft {
 namespace {
@@ -205,9 +206,7 @@ Mesh read_obj(std::istream& in) {
 }
 
 TEST(SummariseTopology, AgreesWithTheFactsOfPublicModels) {
-  const char* variable = std::getenv("MESHGRAFT_DATA");
-  const std::filesystem::path data = variable ? std::filesystem::path(variable)
-                                              : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / "../shared/data";
+  const std::filesystem::path data = test::data_folder();
   if (!std::filesystem::exists(data)) GTEST_SKIP() << "no test data in " << data << "; set MESHGRAFT_DATA";
   for (const Model& model :
        {Model{"models/cactus.obj", 620, 1236, 0, {}}, Model{"models/venus_torso.obj", 711, 1396, 0, {24}},

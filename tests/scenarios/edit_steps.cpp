@@ -1,11 +1,11 @@
 #include "edit_steps.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <variant>
 
 #include "merge/pose_source.h"
 #include "script/merge_sides.h"
+#include "support/paths.h"
 
 namespace meshgraft::test {
 namespace {
@@ -34,19 +34,13 @@ std::vector<Scenario> scenarios_in(const std::filesystem::path& folder, StepKind
 }  // namespace
 
 std::vector<Scenario> kept_scenarios(StepKind kind) {
-  return scenarios_in(std::filesystem::path(MESHGRAFT_SOURCE_DIR) / "tests" / "scenarios", kind);
+  return scenarios_in(source_path("tests/scenarios"), kind);
 }
 
-std::vector<Scenario> examples(StepKind kind) {
-  return scenarios_in(std::filesystem::path(MESHGRAFT_SOURCE_DIR) / "examples", kind);
-}
+std::vector<Scenario> examples(StepKind kind) { return scenarios_in(source_path("examples"), kind); }
 
 std::vector<Scenario> data_scenarios(StepKind kind) {
-  const char* variable = std::getenv("MESHGRAFT_DATA");
-  const std::filesystem::path data =
-      variable != nullptr ? std::filesystem::path(variable)
-                          : std::filesystem::path(MESHGRAFT_SOURCE_DIR) / ".." / "shared" / "data";
-  std::vector<Scenario> tasks = scenarios_in(data / "scenarios", kind);
+  std::vector<Scenario> tasks = scenarios_in(data_folder() / "scenarios", kind);
   for (Scenario& task : tasks) task.public_task = true;
   return tasks;
 }

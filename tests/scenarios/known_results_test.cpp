@@ -10,15 +10,14 @@
 
 #include "edit_steps.h"
 #include "mesh/box_diagonal.h"
+#include "support/paths.h"
 #include "support/scene_edits.h"
 
 namespace meshgraft::test {
 namespace {
 
 EditFile kept(const std::string& name) {
-  return read_scenario(
-      {name, std::filesystem::path(MESHGRAFT_SOURCE_DIR) / "tests" / "scenarios" / (name + ".json")},
-      as_they_are);
+  return read_scenario({name, source_path("tests/scenarios") / (name + ".json")}, as_they_are);
 }
 
 TEST(KeptScenarios, AreSixDeformationsAndFourMerges) {

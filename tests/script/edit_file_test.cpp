@@ -11,6 +11,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "support/paths.h"
+
 namespace meshgraft {
 namespace {
 
@@ -336,8 +338,7 @@ TEST(EditFile, ReadsTheFormerNameOfASolverAndSaysSo) {
 TEST(EditFile, AgreesWithTheSchemaOnTheCorpus) {
   int files = 0;
   for (const std::string kind : {"accepted", "refused"}) {
-    for (const auto& entry :
-         std::filesystem::directory_iterator(std::string(MESHGRAFT_EDIT_CORPUS) + "/" + kind)) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::source_path("tests/script") / kind)) {
       ++files;
       if (kind == "accepted")
         EXPECT_NO_THROW(read_edit_file(entry.path())) << entry.path();

@@ -6,11 +6,13 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/script/edit_file.h>
 
+#include "support/paths.h"
+
 namespace meshgraft {
 namespace {
 
 EditFile accepted(const std::string& name) {
-  return read_edit_file(std::filesystem::path(MESHGRAFT_EDIT_CORPUS) / "accepted" / name);
+  return read_edit_file(test::source_path("tests/script/accepted") / name);
 }
 
 // Returns a version 2 file whose only step grafts `arm` onto `body`.
