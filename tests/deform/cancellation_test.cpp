@@ -63,7 +63,7 @@ constexpr int moments = MESHGRAFT_SANITIZED ? 4 : 12;
 constexpr std::int64_t slack = 1 << 20;  // bytes that libraries keep for each thread that once ran
 
 TEST(Cancellation, ACancelledSetUpLeavesNothingBehind) {
-  const Scene scene = make_scene(bumpy_sphere(5));
+  const Scene scene = make_scene(bumpy_sphere(4));
   const std::vector poses{pose_of(head_move(scene))};
   const auto set_up = [&](const Context& context) {
     return Deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), {}, context);

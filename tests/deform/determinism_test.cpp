@@ -18,19 +18,32 @@ Points edit(const Scene& scene, const OperatorOptions& options, int threads) {
       .evaluate(std::vector{pose_of(head_move(scene))}, context);
 }
 
-TEST(Determinism, SameBytesTwiceAndForAnyNumberOfThreads) {
-  // These meshes are large enough for work to be shared among threads.
-  for (const TestMesh& mesh : {bumpy_sphere(4), irregular_grid(60, 50), flat_sheet(50, 40), bar(6, 40)})
-    for (const DegenerateTreatment treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
-      OperatorOptions options;
-      options.degenerate = treatment;
-      SCOPED_TRACE(mesh.name + ", " + std::string(to_string(treatment)));
-      const Scene scene = make_scene(mesh);
-      const Points one = edit(scene, options, 1);
-      EXPECT_TRUE(same_bytes(edit(scene, options, 1), one));
-      EXPECT_TRUE(same_bytes(edit(scene, options, 2), one));
-    }
+// Meshes that are large enough for work to be shared among threads.
+struct LargeMesh {
+  std::string name;
+  TestMesh (*make)();
+};
+
+class DeterminismOf : public testing::TestWithParam<LargeMesh> {};
+
+TEST_P(DeterminismOf, SameBytesTwiceAndForAnyNumberOfThreads) {
+  const Scene scene = make_scene(GetParam().make());
+  for (const DegenerateTreatment treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
+    SCOPED_TRACE(to_string(treatment));
+    OperatorOptions options;
+    options.degenerate = treatment;
+    const Points one = edit(scene, options, 1);
+    EXPECT_TRUE(same_bytes(edit(scene, options, 1), one));
+    EXPECT_TRUE(same_bytes(edit(scene, options, 2), one));
+  }
 }
+
+INSTANTIATE_TEST_SUITE_P(Meshes, DeterminismOf,
+                         testing::Values(LargeMesh{"bumpy_sphere", [] { return bumpy_sphere(4); }},
+                                         LargeMesh{"irregular_grid", [] { return irregular_grid(60, 50); }},
+                                         LargeMesh{"flat_sheet", [] { return flat_sheet(50, 40); }},
+                                         LargeMesh{"bar", [] { return bar(6, 40); }}),
+                         [](const auto& tested) { return tested.param.name; });
 
 TEST(Determinism, EvaluationsDoNotRememberEachOther) {
   const Scene scene = make_scene(bumpy_sphere(3));

@@ -150,7 +150,11 @@ std::pair<std::string, std::string> error_of(const Call& call) {
 }
 
 inline std::vector<TestMesh> some_families() {
+#ifdef MESHGRAFT_SANITIZES_THREADS  // threads meet alike on every mesh
+  return {irregular_grid(20, 20)};
+#else
   return {bumpy_sphere(3), irregular_grid(20, 20), bar(3, 14), torus(20, 12)};
+#endif
 }
 
 }  // namespace meshgraft::test

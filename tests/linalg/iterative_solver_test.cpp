@@ -129,21 +129,24 @@ TEST(IterativeSolver, LeavesColumnsOfZerosAndSolvesAnyNumberOfColumns) {
   }
 }
 
-TEST(IterativeSolver, GivesTheSameBytesForAnyNumberOfThreads) {
-  for (const char* sample : {"torus", "bar"}) {
-    const Plate plate = plate_of(sample, 110);
-    const Eigen::MatrixXd rhs = loads(plate, 3);
-    const auto solution = [&](int threads) {
-      const Context context{.threads = threads};
-      return ready(plate, SolverBackend::iterative, context)->solve(rhs, context);
-    };
-    const Eigen::MatrixXd one = solution(1);
-    for (const int threads : {2, 3, 0}) {
-      const Eigen::MatrixXd other = solution(threads);
-      EXPECT_EQ(std::memcmp(one.data(), other.data(), sizeof(double) * one.size()), 0) << sample << threads;
-    }
+class IterativeSolverOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(IterativeSolverOf, GivesTheSameBytesForAnyNumberOfThreads) {
+  const Plate plate = plate_of(GetParam(), 110);
+  const Eigen::MatrixXd rhs = loads(plate, 3);
+  const auto solution = [&](int threads) {
+    const Context context{.threads = threads};
+    return ready(plate, SolverBackend::iterative, context)->solve(rhs, context);
+  };
+  const Eigen::MatrixXd one = solution(1);
+  for (const int threads : {2, 3, 0}) {
+    const Eigen::MatrixXd other = solution(threads);
+    EXPECT_EQ(std::memcmp(one.data(), other.data(), sizeof(double) * one.size()), 0) << threads;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Samples, IterativeSolverOf, testing::Values("torus", "bar"),
+                         [](const auto& tested) { return std::string(tested.param); });
 
 TEST(IterativeSolver, ReportsProgressAndStopsWhenAsked) {
   const Plate plate = plate_of("torus", 60);
