@@ -19,9 +19,9 @@ declare global {
 const program = resolve(process.env["MESHGRAFT_PROGRAM"] ?? "../build/release/meshgraft");
 const screenshots = resolve(process.env["MESHGRAFT_SCREENSHOTS"] ?? "../out/editor");
 const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
-// Pixels of the screen per pixel of the page, in both directions. Most of the time of these tests goes into drawing
+// Pixels of the screen per pixel of the page, in both directions. Much of the time of these tests goes into drawing
 // without a GPU, and less than 1 changes neither the layout nor where the pointer is.
-const pixelRatio = Number(process.env["MESHGRAFT_PIXEL_RATIO"] ?? 0.5);
+const pixelRatio = Number(process.env["MESHGRAFT_PIXEL_RATIO"] ?? 0.25);
 
 // Runs without a display or a GPU, and without network requests of its own.
 const browserArguments = [
