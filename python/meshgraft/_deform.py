@@ -127,7 +127,7 @@ def deform(mesh: M, *, handles: Mapping[str, Any] | None = None, poses: Mapping[
     step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, poses=poses, targets=targets,
                        transforms=transforms, anchors=anchors, features=features, symmetry=symmetry, settings=given)
     options = {"estimate_condition": False, "strict": False, "keep": [], "memory": memory}
-    edit = _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deform")
+    edit = _texts.given_step(step, {"mesh": own}, name="deform")
     with calling(threads, memory, progress) as call:
         result, _, report, *_ = _core.run_one_step(edit, options, call)
     for note in (*report.notes, *report.steps[0].notes):
@@ -180,7 +180,7 @@ class _Solver(_Posed[M]):
         step = deform_step("mesh", len(own), region=region, fixed=fixed, handles=handles, anchors=anchors,
                            features=features, symmetry=symmetry, settings={**settings, **_texts.without_none(weld=weld)},
                            **(held(own) if held else {}))
-        return _texts.given(_texts.edit_of_step(step, ("mesh",)), {"mesh": own}, name="deformer")
+        return _texts.given_step(step, {"mesh": own}, name="deformer")
 
     def evaluate(self, poses: Mapping[str, Any] | None = None, /, *, threads: int = 0, **named: Any) -> M:
         """Returns the mesh with its handles at poses: `d.evaluate(hand=Pose(...))`, or of a dict by name.

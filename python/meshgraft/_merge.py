@@ -124,7 +124,7 @@ def _run(name: str, target: M, source: Any, arguments: Mapping[str, Any], *, str
     adapted = adapt(target, "target")
     own, part = adapted.mesh, adapt(source, "source").mesh
     step = merge_step("target", "source", (len(own), len(part)), arguments)
-    edit = _texts.given(_texts.edit_of_step(step, ("target", "source")), {"target": own, "source": part}, name=name)
+    edit = _texts.given_step(step, {"target": own, "source": part}, name=name)
     options = {"estimate_condition": False, "strict": strict, "keep": [], "memory": None}
     with calling(threads, None, progress) as call:
         mesh, _, report, _ = _core.run_one_step(edit, options, call)

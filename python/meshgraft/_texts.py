@@ -26,29 +26,30 @@ def spec_of(value: Any, name: str, vertices: int | None) -> Any:
 class Writer:
     """Turns edits into text. Long lists of vertices are handed over as arrays, beside the text."""
 
-    def __init__(self, *, aside: bool) -> None:
+    def __init__(self, *, aside: bool, of_step: bool = False) -> None:
         self.aside = aside
+        self.of_step = of_step  # whether the edit is one step, whose fields are the arguments of a call
         self.arrays: dict[str, Any] = {}
         self.taken: Collection[str] = ()  # names of the edit's own selections
 
-    def plain(self, value: Any) -> Any:
-        """Returns a value without arrays and selections."""
+    def plain(self, value: Any, place: str = "") -> Any:
+        """Returns a value without arrays and selections. An array that is kept aside is named by its place."""
         if isinstance(value, Selection):
-            return self.plain(value._spec)
+            return self.plain(value._spec, place)
         if isinstance(value, Mapping):
             indices = value.get("indices")
             if isinstance(indices, np.ndarray) and self.aside and len(indices):
-                name = next(name for k in itertools.count(len(self.arrays))
-                            if (name := f"array {k}") not in self.taken and name not in self.arrays)
+                name = next(name for k in itertools.count()
+                            if (name := place + " " * k) not in self.taken and name not in self.arrays)
                 self.arrays[name] = indices
                 return name
-            return {key: self.plain(entry) for key, entry in value.items()}
+            return {key: self.plain(entry, _within(place, key)) for key, entry in value.items()}
         if isinstance(value, np.ndarray):
             return value.tolist()
         if isinstance(value, np.generic):
             return value.item()
         if isinstance(value, (list, tuple)):
-            return [self.plain(entry) for entry in value]
+            return [self.plain(entry, f"{place}[{k}]") for k, entry in enumerate(value)]
         return value
 
     def text(self, edit: Mapping[str, Any]) -> str:
@@ -60,8 +61,13 @@ class Writer:
                                    **{name: {"indices": [0]} for name in self.arrays}}
         for place, number in _numbers(plain, ""):
             if not math.isfinite(number):
+                place = place.removeprefix("steps[0].").removeprefix("settings.") if self.of_step else place
                 raise ValueError(f"{place}: {number} is not finite")
         return json.dumps(plain, ensure_ascii=False, allow_nan=False)
+
+
+def _within(place: str, key: str) -> str:
+    return f"{place}.{key}" if place else str(key)
 
 
 def _numbers(value: Any, place: str) -> Iterator[tuple[str, float]]:
@@ -70,23 +76,24 @@ def _numbers(value: Any, place: str) -> Iterator[tuple[str, float]]:
         yield place, value
     elif isinstance(value, Mapping):
         for key, entry in value.items():
-            yield from _numbers(entry, f"{place}.{key}" if place else str(key))
+            yield from _numbers(entry, _within(place, key))
     elif isinstance(value, list) and value and not isinstance(value[0], int):
         for k, entry in enumerate(value):
             yield from _numbers(entry, f"{place}[{k}]")
 
 
-def given(edit: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str = "edit", folder: str = "") -> tuple[Any, ...]:
+def given(edit: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str = "edit", folder: str = "",
+          of_step: bool = False) -> tuple[Any, ...]:
     """Returns the arguments by which the extension module takes an edit and its meshes in memory."""
-    writer = Writer(aside=True)
+    writer = Writer(aside=True, of_step=of_step)
     text = writer.text(edit)
     return text, name, folder, writer.arrays, {key: mesh._core for key, mesh in meshes.items()}
 
 
-def edit_of_step(step: Mapping[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
-    """Returns an edit of one step on meshes in memory."""
-    return {"format": "meshgraft-edit", "version": 2, "inputs": {name: {"file": name} for name in names},
-            "steps": [dict(step)]}
+def given_step(step: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str) -> tuple[Any, ...]:
+    """Returns the same for an edit of one step on meshes in memory."""
+    edit = {"format": "meshgraft-edit", "version": 2, "inputs": {key: {"file": key} for key in meshes}, "steps": [dict(step)]}
+    return given(edit, meshes, name=name, of_step=True)
 
 
 def require_known(settings: Collection[str], known: Collection[str]) -> None:

@@ -147,7 +147,7 @@ nb::object evaluate_into(const Holder& holder, const nb::sequence& given, nb::ha
 
 DeformerHolder make_deformer(const nb::tuple& given, const nb::tuple& call) {
   DeformerHolder holder;
-  const GivenEdit edit = edit_of(given);
+  const GivenEdit edit = edit_of_arguments(given);
   run(call_of(call), [&](const Context& context) {
     holder.preparation = std::make_shared<const Preparation>(edit, context);
     holder.deformer = std::make_shared<const Deformer>(holder.preparation->problem(),
@@ -159,7 +159,7 @@ DeformerHolder make_deformer(const nb::tuple& given, const nb::tuple& call) {
 // Makes a deformer of the same mesh and settings for another region, from what the two have in common.
 DeformerHolder with_region(const DeformerHolder& other, const nb::tuple& given, const nb::tuple& call) {
   DeformerHolder holder;
-  const GivenEdit edit = edit_of(given);
+  const GivenEdit edit = edit_of_arguments(given);
   run(call_of(call), [&](const Context& context) {
     holder.preparation = std::make_shared<const Preparation>(edit, context);
     holder.deformer = std::make_shared<const Deformer>(
@@ -170,7 +170,7 @@ DeformerHolder with_region(const DeformerHolder& other, const nb::tuple& given, 
 
 ProxyHolder make_proxy(const nb::tuple& given, Index vertices, const nb::tuple& call) {
   ProxyHolder holder;
-  const GivenEdit edit = edit_of(given);
+  const GivenEdit edit = edit_of_arguments(given);
   run(call_of(call), [&](const Context& context) {
     holder.preparation = std::make_shared<const Preparation>(edit, context);
     holder.deformer = std::make_shared<const ProxyDeformer>(

@@ -37,6 +37,23 @@ GivenEdit edit_of(const nb::tuple& given) {
   return result;
 }
 
+GivenEdit edit_of_arguments(const nb::tuple& given) {
+  return without_step([&] { return edit_of(given); });
+}
+
+Location argument_location(const Location& location) {
+  constexpr std::size_t step_parts = 3;  // the edit, "steps", [0]
+  const std::vector<LocationPart>& parts = location.parts();
+  if (parts.size() < step_parts) return location;
+  if (parts[1].name == "steps") {
+    const bool is_setting = parts.size() > step_parts + 1 && parts[step_parts].name == "settings";
+    return location.from(is_setting ? step_parts + 1 : step_parts);
+  }
+  const std::string step = "steps[0].", name = parts[2].name;
+  if (parts[1].name != "selections" || !name.starts_with(step)) return location;
+  return Location::field(name.substr(step.size())) / location.from(step_parts);
+}
+
 LoadedInputs inputs_of(const GivenEdit& given, const Context& context) {
   EditFile others = given.edit;
   std::erase_if(others.inputs, [&](const EditInput& input) { return given.meshes.contains(input.name); });

@@ -25,20 +25,24 @@ struct GivenEdit {
 /// text.
 GivenEdit edit_of(const nb::tuple& given);
 
+/// The same for an edit of one step, whose fields are the arguments of a call: errors name these.
+GivenEdit edit_of_arguments(const nb::tuple& given);
+
 /// Reads and checks the inputs: those in memory, and the others from files and samples.
 LoadedInputs inputs_of(const GivenEdit& given, const Context& context);
 
-/// Runs a function that throws errors at "EDIT: steps[0].field", and throws them at "field" instead. For edits
-/// of one step that Python's user has not seen.
+/// Returns the argument that is meant by a location in an edit of one step that Python's user has not seen:
+/// "field" for "EDIT: steps[0].field", for "EDIT: steps[0].settings.field", and for an array that was handed
+/// over under the name "steps[0].field".
+Location argument_location(const Location& location);
+
+/// Runs a function that throws errors at locations in such an edit, and throws them at arguments instead.
 template <class Work>
 auto without_step(const Work& work) {
   try {
     return work();
   } catch (const Error& error) {
-    constexpr std::size_t step_parts = 3;  // the edit, "steps", [0]
-    const auto& parts = error.location().parts();
-    const bool inside = parts.size() >= step_parts && parts[1].name == "steps";
-    throw inside ? error.at(error.location().from(step_parts)) : error;
+    throw error.at(argument_location(error.location()));
   }
 }
 

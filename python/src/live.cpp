@@ -157,7 +157,7 @@ std::unique_ptr<LiveHolder> make_live(const nb::tuple& given, const nb::object& 
                                       const nb::handle earlier, const nb::tuple& arguments) {
   const Call call = call_of(arguments);
   std::shared_ptr<const Preparation> preparation;
-  const GivenEdit edit = edit_of(given);
+  const GivenEdit edit = edit_of_arguments(given);
   run(call, [&](const Context& context) { preparation = std::make_shared<const Preparation>(edit, context); });
   LiveOptions live;
   live.deformer = preparation->settings.deformer;

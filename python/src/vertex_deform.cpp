@@ -75,7 +75,7 @@ struct VertexDeformerHolder {
 
 VertexDeformerHolder make_vertex_deformer(const nb::tuple& given, const IndicesIn& targets,
                                           const IndicesIn& transforms, const nb::tuple& call) {
-  const GivenEdit edit = edit_of(given);
+  const GivenEdit edit = edit_of_arguments(given);
   const std::vector<Index> target_vertices = indices_of(targets), transform_vertices = indices_of(transforms);
   return run_for(call_of(call), [&](const Context& context) {
     auto preparation = std::make_shared<const Preparation>(edit, context);

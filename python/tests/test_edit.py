@@ -144,7 +144,7 @@ def test_errors_have_ids_and_places(bar, ends, tmp_path):
     assert caught.value.location == "handles[1].select"
     with pytest.raises(mg.InputError) as caught:
         mg.deform(bar, handles=ends, stiffness=-1)
-    assert caught.value.location == "settings.stiffness"
+    assert caught.value.location == "stiffness"
     with pytest.raises(mg.InputError, match="an integer or 'auto'"):
         mg.deform(bar, handles=ends, refine_boundary="often")
     with pytest.raises(mg.InputError, match="meshgraft.cut"):
@@ -271,15 +271,37 @@ def test_pictures_stand_as_the_models_do(bar, tmp_path):
 
 
 def test_names_of_selections_are_the_users(bar, ends, tmp_path):
-    handles = {"top": "file", "bottom": "array 0"}
+    handles = {"top": "file", "bottom": "steps[0].anchors[0].select"}
     edit = mg.Edit().input("bar", bar)
-    edit.selection("head", ends["top"]).selection("file", "head").selection("array 0", ends["bottom"])
+    edit.selection("head", ends["top"]).selection("file", "head").selection(handles["bottom"], ends["bottom"])
     edit.deform("bar", handles=handles, poses={"top": mg.Pose((0.5, 0, 0))}, anchors=np.arange(40, 60))
     (tmp_path / "sub").mkdir()
     edit.save(tmp_path / "sub/edit.json")
     found = edit.run().mesh
     assert np.allclose(found.vertices[ends["top"]] - bar.vertices[ends["top"]], (0.5, 0, 0))
     assert mg.Edit.load(tmp_path / "sub/edit.json").run().mesh.vertices.tobytes() == found.vertices.tobytes()
+
+
+def test_errors_name_arguments_and_no_hidden_edit(bar, ends):
+    sphere = mg.select.sphere((0, 0, 0), -1)
+    both = {"handles": ends, "poses": {"top": mg.Pose()}}
+    for make, location in (
+            (lambda: sphere(bar), "selection.sphere.radius"),
+            (lambda: (mg.select.all() & sphere)(bar), "selection.intersect[1].sphere.radius"),
+            (lambda: mg.select.indices([3, 999])(bar), "selection.indices[1]"),
+            (lambda: mg.select.loop(5)(bar), "selection.loop"),
+            (lambda: mg.Deformer(bar, handles={"top": sphere}), "handles[0].select.sphere.radius"),
+            (lambda: mg.Deformer(bar, handles={"top": mg.select.indices([999])}), "handles[0].select.indices[0]"),
+            (lambda: mg.Deformer(bar, handles=ends, fixed=sphere), "fixed.sphere.radius"),
+            (lambda: mg.Deformer(bar, handles=ends, stiffness=-1), "stiffness"),
+            (lambda: mg.ProxyDeformer(bar, vertices=50, handles=ends, stiffness=-1), "stiffness"),
+            (lambda: mg.deform(bar, **both, region=sphere), "region.sphere.radius"),
+            (lambda: mg.deform(bar, **both, fixed=mg.select.indices([0, 999])), "fixed.indices[1]")):
+        with pytest.raises(mg.InputError) as caught:
+            make()
+        assert caught.value.location == location and str(caught.value).startswith(location)
+    with pytest.raises(ValueError, match="^stiffness: nan"):
+        mg.Deformer(bar, handles=ends, stiffness=float("nan"))
 
 
 def test_an_empty_list_fixes_nothing(bar, ends):
