@@ -8,7 +8,8 @@ Reads the plain structs, the enumerations and the comments of functions in INCLU
                struct in KEYWORDS
   _docs.py     the headers' comments on functions and classes, in the words of Python
   records.h    tables of the same fields and words, for the casters of the extension module
-The names and types of Python are decided here; what the fields mean stands in the headers alone.
+The names and types of Python are decided here. What the fields mean stands in the headers, and in DOCS where those take
+a C++ type or name to say it.
 """
 
 import re
@@ -61,6 +62,49 @@ NAMES = {
 }
 ENUM_WORDS = {"automatic": "auto"}
 ENUM_NAMES = {"Ordering": {"minimum_degree": "amd", "nested_dissection": "metis", "mesh_dissection": "dissection"}}
+
+# Docstrings of records, by class, and of their fields, where the headers have none.
+DOCS = {
+    "RepairResult": "A repaired mesh, what was changed, and where its n vertices and m faces come from in the given mesh.",
+    "RepairResult.mesh": "The repaired mesh, in the type of the given one.",
+    "RepairResult.vertex": "Per vertex of the given mesh: its index in `mesh`, or -1 where it was removed. Several may map "
+                           "to one; one with several copies maps to the first of them.",
+    "RepairResult.face": "Per face of the given mesh: its index in `mesh`, or -1 where it was removed. One with several "
+                         "pieces maps to the first of them.",
+    "RepairResult.vertex_origin": "Per vertex of `mesh`: its index in the given mesh; -1 in the filling of a hole. (n,)",
+    "RepairResult.face_origin": "Per face of `mesh`: its index in the given mesh; -1 in the filling of a hole. (m,)",
+    "CutResult": "A cut mesh of n vertices and m faces, where these come from in the uncut mesh, and the boundary loops that "
+                 "the cut made.",
+    "CutResult.vertex": "Per vertex of the uncut mesh: its index in `mesh`, or -1 where it was removed. A vertex on the cut "
+                        "maps to its first copy.",
+    "CutResult.origin": "Per vertex of `mesh`: its location on an edge of the uncut mesh. `start`, `end` and `t` are (n,).",
+    "CutResult.face_parent": "Per face of `mesh`: the uncut face that it is a piece of. (m,)",
+    "CutResult.face_side": "Per face of `mesh`: 1 above, -1 below, 0 where the cut separates nothing. (m,)",
+    "CutResult.loops": "The boundary loops that the cut made: for each, its vertices in `mesh`, in order.",
+    "MergeReport": "Measures of a merge: its loops, the shape of the grafted source, the seam, and the times of its stages. "
+                   "Angles are in degrees, times in seconds; names with _rel are relative, as they say.",
+    "MergeReport.pairs": "One report for each pair of loops that met, in the order of the pairs.",
+    "MergeReport.shape": "How much the source was deformed.",
+    "MergeReport.seam": "Topology and shape of the seam.",
+    "MergeReport.evaluation": "Figures of the solve.",
+    "MergeReport.source_vertices_added": "Vertices that refinement added to the source.",
+    "MergeReport.target_vertices_added": "Vertices that refinement added to the target.",
+    "MergeReport.notes": "What a user should know of the result.",
+    "MergeReport.match_seconds": "Time to match the loops.",
+    "MergeReport.assemble_seconds": "Time to assemble the systems of the solve.",
+    "MergeReport.factorise_seconds": "Time to factorise them.",
+    "MergeReport.solve_seconds": "Time of the rest of the solve.",
+    "MergeReport.seam_seconds": "Time to make the seam.",
+    "MergeReport.total_seconds": "Time of the whole merge.",
+    "SampleInfo": "A built-in model, which `meshgraft.sample` makes.",
+    "SampleInfo.name": 'The name that `meshgraft.sample` takes: "octopus", "head", …',
+    "SampleInfo.description": "One line on what it is.",
+    "SampleInfo.default_resolution": "The resolution unless another is asked for: about the square root of the number of "
+                                     "vertices.",
+    "WriteResult": "What `meshgraft.write` wrote, and what it had to leave out.",
+    "WriteResult.files": "Paths of the files that were written: the mesh, then those that it refers to.",
+    "WriteResult.notes": "Data of the mesh that the format cannot store, one note for each kind.",
+}
 
 WITHOUT_WORDS = ("FieldKind", "ErrorCode", "Kind", "SelRole", "Baseline")  # enumerations that Python does not see
 
@@ -253,10 +297,13 @@ class Python:
                        (field.cpp_type in self.known and not self.is_plain(self.known[field.cpp_type]))
                        for field in self.headers.structs[name].fields)
 
-    def field_doc(self, field):
+    def field_doc(self, struct, field):
         shape = SHAPES.get(field.cpp_type)
-        doc = text_of([field.doc])
+        doc = DOCS.get(f"{struct.python_name}.{field.name}") or text_of([field.doc])
         return f"{doc} {shape}".strip() if shape and shape not in doc else doc
+
+    def record_doc(self, struct):
+        return DOCS.get(struct.python_name) or text_of(struct.doc) or words_of(struct.python_name)
 
     def records(self):
         out = [RECORDS_HEAD]
@@ -275,11 +322,11 @@ class Python:
         for name in RECORDS:
             struct = self.headers.structs[name]
             out += ["", f"@dataclass(frozen=True, kw_only=True{'' if self.is_plain(name) else ', eq=False'})",
-                    f"class {struct.python_name}:", literal(text_of(struct.doc) or words_of(struct.python_name), "    "), ""]
+                    f"class {struct.python_name}:", literal(self.record_doc(struct), "    "), ""]
             for field in struct.fields:
                 default = self.default(field)
                 out.append(f"    {field.name}: {self.annotation(field.cpp_type)}" + (f" = {default}" if default else ""))
-                if doc := self.field_doc(field):
+                if doc := self.field_doc(struct, field):
                     out.append(literal(doc, "    "))
             out.append("")
         for name, (structs, changes) in KEYWORDS.items():
@@ -287,13 +334,14 @@ class Python:
             out.append(literal("Keywords of a call. " + " ".join(text_of(self.headers.structs[s].doc) or words_of(s) for s in structs), "    "))
             out.append("")
             for struct in structs:
-                for field in self.headers.structs[struct].fields:
+                header = self.headers.structs[struct]
+                for field in header.fields:
                     python_name = changes.get(field.name, field.name)
                     if python_name is None:
                         continue
                     out.append(f"    {python_name}: {self.keyword_annotation(field)}")
                     default = self.default(field)
-                    doc = self.field_doc(field) + (f" Default: {default}." if default else "")
+                    doc = self.field_doc(header, field) + (f" Default: {default}." if default else "")
                     if doc.strip():
                         out.append(literal(doc.strip(), "    "))
             out.append("")

@@ -99,6 +99,20 @@ class Records(unittest.TestCase):
         ast.parse(python.docs())
         self.assertIn('visit("free_vertices", record.free_vertices);', python.tables())
 
+    def test_sentences_for_python_are_of_records_and_fields_that_exist(self):
+        python = python_records.Python(python_records.Headers(ROOT / "include/meshgraft"))
+        structs = [python.headers.structs[name] for name in python_records.RECORDS]
+        names = {struct.python_name for struct in structs}
+        names |= {f"{struct.python_name}.{field.name}" for struct in structs for field in struct.fields}
+        self.assertLessEqual(python_records.DOCS.keys(), names)
+        tree = ast.parse(python.records())
+        for record in ("CutResult", "MergeReport", "RepairResult", "SampleInfo", "WriteResult"):
+            body = next(node.body for node in tree.body if isinstance(node, ast.ClassDef) and node.name == record)
+            self.assertGreater(len(body[0].value.value.split()), 5, record)
+            for field, doc in zip(body[1:], [*body[2:], None]):
+                if isinstance(field, ast.AnnAssign) and field.target.id not in ("mesh", "changes", "notes"):
+                    self.assertIsInstance(doc, ast.Expr, f"{record}.{field.target.id}")
+
     def test_keywords_are_the_settings_of_edit_files(self):
         """What `meshgraft.deform` takes is what a deform step's settings take."""
         python = python_records.Python(python_records.Headers(ROOT / "include/meshgraft"))
