@@ -195,7 +195,8 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
   command
       .add_option(
           "--as-morph-target", arguments.morph_target,
-          "Keep the shape as it was, and add the edited one as a morph target of this name (.glb, .gltf)")
+          "Keep the shape as it was, and add the edited one as a morph target (.glb, .gltf) of this name "
+          "(default: edit)")
       ->type_name("NAME")
       ->expected(0, 1)
       ->default_str("edit");

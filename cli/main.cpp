@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "command_tree.h"
 #include "commands.h"
 #include "exit_status.h"
+#include "help_formatter.h"
 #include "interrupt.h"
 #include "progress_bar.h"
 #include "wording.h"
@@ -30,7 +32,9 @@ void add_commands(CLI::App& program, cli::Action& action) {
   program.set_version_flag("--version", "meshgraft " MESHGRAFT_VERSION, "Print the version");
   program.set_help_flag("-h,--help", "Print this help");
   program.require_subcommand(1);
-  program.get_formatter()->column_width(34);
+  const auto formatter = std::make_shared<cli::HelpFormatter>();
+  formatter->column_width(34);
+  program.formatter(formatter);  // commands that are added take it over
   program.footer(
       "Example:\n  meshgraft sample octopus -o octopus.ply\n\n"
       "'meshgraft COMMAND --help' tells more about a command.");

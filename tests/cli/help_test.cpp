@@ -26,6 +26,14 @@ TEST_F(CommandLine, EveryCommandHasHelpWithAnExample) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_NE(outcome.out.find("Example"), std::string::npos) << outcome.out;
     EXPECT_NE(outcome.out.find("meshgraft " + command), std::string::npos) << outcome.out;
+    EXPECT_FALSE(std::regex_search(outcome.out, std::regex("\\(\\d+x\\)| x \\d|[A-Z]=[a-z]"))) << outcome.out;
+  }
+  EXPECT_NE(run("run --help").out.find("Usage: meshgraft run [OPTIONS] EDIT.json\n"), std::string::npos);
+  EXPECT_NE(run("run --help").out.find("--as-morph-target [NAME] "), std::string::npos);
+  EXPECT_NE(run("run --help").out.find("--feature SELECTION ... "), std::string::npos);
+  if (const Outcome render = run("render --help"); render.status == 0) {
+    EXPECT_NE(render.out.find("Usage: meshgraft render [OPTIONS] MESH...\n"), std::string::npos) << render.out;
+    EXPECT_NE(render.out.find("--from X Y Z "), std::string::npos) << render.out;
   }
   EXPECT_EQ(run("--version").out.find("meshgraft "), 0u);
 }
