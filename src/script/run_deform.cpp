@@ -374,7 +374,9 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
                         : solve(problem, report.settings, options, report, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw error.within(location);
+    const Index added = report.refined_vertices;
+    const facts::script::RefinedForSolve refined{.added = added, .first = state.mesh.vertex_count()};
+    throw(added > 0 ? error.with(refined) : error).within(location);
   }
 
   watch.lap();

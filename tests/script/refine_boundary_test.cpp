@@ -178,6 +178,33 @@ TEST(SparseHandles, AreRefinedBesideLargerOnes) {
   EXPECT_EQ(added(run(sheet, step)), alone);
 }
 
+// Numbers of vertices in an error are those of the refined mesh, and its note says which were added.
+TEST(RefineBoundary, ErrorsSayThatVerticesWereAdded) {
+  const Sheet sheet = sheet_of(30);
+  Json step = step_of(sheet, nearest(sheet), lift_pose, {{"refine_boundary", 1}});
+  step["region"] = "all";
+  step["fixed"] = {{"indices", Json::array()}};
+  step["handles"][0]["constrain"] = "transform";
+  const auto error_of = [&](int levels) {
+    step["settings"]["refine_boundary"] = levels;
+    try {
+      run(sheet, step);
+    } catch (const Error& error) {
+      return std::optional(error);
+    }
+    return std::optional<Error>();
+  };
+  const std::optional<Error> plain = error_of(0), refined = error_of(1);
+  ASSERT_TRUE(plain && refined);
+  EXPECT_EQ(plain->id(), "deform.component_not_held");
+  EXPECT_EQ(refined->id(), plain->id());
+  EXPECT_TRUE(plain->notes().empty());
+  ASSERT_EQ(refined->notes().size(), 1u);
+  EXPECT_EQ(refined->notes()[0].id(), "script.refined_for_solve");
+  EXPECT_NE(refined->notes()[0].text().find("numbered from 900 on"), std::string::npos)
+      << refined->notes()[0].text();
+}
+
 TEST(SparseHandles, AreNotCurves) {
   const Sheet sheet = sheet_of(30);
   const Json path = {{"path", {{"points", {{-0.1, 0, 0}, {0.1, 0, 0}}}}}};
