@@ -302,8 +302,10 @@ TEST(HandleBasis, RefusesWhatIsNotLinear) {
   const Deformer corotational(mesh.positions, mesh.triangles, held_foot(scene));
   EXPECT_EQ(id_of([&] { HandleBasis basis(corotational); }), "deform.frames_not_linear");
 
-  const std::vector<VertexConstraint> constraints{
-      {.vertex = 0, .position = Eigen::Vector3d::Zero(), .transform = Eigen::Matrix3d::Identity()}};
+  std::vector<VertexConstraint> constraints(1);
+  constraints[0].vertex = 0;
+  constraints[0].position = Eigen::Vector3d::Zero();
+  constraints[0].transform = Eigen::Matrix3d::Identity();
   const Deformer per_vertex({mesh.positions, mesh.triangles, {.whole = true}, constraints}, linear_method());
   EXPECT_EQ(id_of([&] { HandleBasis basis(per_vertex); }), "deform.no_handles");
 
