@@ -186,12 +186,14 @@ struct CheckedMesh {
   std::optional<std::int64_t> intersections;
   Uses uses;
 
-  // Whether a repair would mend something.
+  // Whether a repair makes a mesh that every command takes.
   bool repairable() const {
-    return mesh.face_count() > 0 &&
-           (diagnostics.has_defects() || !std::ranges::all_of(repair.changes, is_choice));
+    return mesh.face_count() > 0 && !diagnostics.find(FindingKind::coordinate_too_large) && !sound();
   }
-  bool clean() const { return mesh.face_count() > 0 && !repairable(); }
+  bool clean() const { return mesh.face_count() > 0 && sound(); }
+
+ private:
+  bool sound() const { return !diagnostics.has_defects() && std::ranges::all_of(repair.changes, is_choice); }
 };
 
 CheckedMesh check(Mesh mesh, bool intersections, const Context& context) {

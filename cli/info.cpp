@@ -103,8 +103,9 @@ void line(std::string_view label, const std::string& text) { fmt::print("  {:<12
 // Returns the defects that keep a loop from being merged. The findings give the details.
 std::string defects_along(const MeshFacts& facts, const std::vector<Index>& loop) {
   std::string text;
-  for (const FindingKind kind : {FindingKind::non_finite, FindingKind::non_manifold_edge,
-                                 FindingKind::non_manifold_vertex, FindingKind::inconsistent_winding}) {
+  for (const FindingKind kind :
+       {FindingKind::non_finite, FindingKind::outlying_vertex, FindingKind::non_manifold_edge,
+        FindingKind::non_manifold_vertex, FindingKind::inconsistent_winding}) {
     const Finding* finding = facts.diagnostics.find(kind);
     if (!finding) continue;
     const auto here = std::find_if(loop.begin(), loop.end(), [&](Index v) {

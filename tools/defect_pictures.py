@@ -92,6 +92,13 @@ def non_finite(d):
     patch(d, lambda i, j, half: RED if (i, j, half) in star else GREY, at)
 
 
+def outlying_vertex(d):
+    star = {(2, 1, 0), (2, 1, 1), (3, 2, 0), (3, 2, 1), (2, 2, 0), (3, 1, 1)}
+    at = lambda i, j: (9.5, 6.5, 4.5) if (i, j) == (3, 2) else place(i, j)
+    patch(d, lambda i, j, half: RED if (i, j, half) in star else GREY, at)
+    d.ball((9.5, 6.5, 4.5))
+
+
 def index_out_of_range(d):
     patch(d)
     d.face([place(2, 2), place(3, 2), (-0.5, 2.2, 2.3)], RED)
@@ -193,9 +200,9 @@ def polygon(d):
     d.face([place(*corner) for corner in hexagon], RED)
 
 
-DEFECTS = [non_finite, index_out_of_range, degenerate_face, zero_area_face, isolated_vertex, duplicate_vertex,
-           non_manifold_edge, non_manifold_vertex, duplicate_face, inconsistent_winding, inward_facing_component,
-           polygon]
+DEFECTS = [non_finite, outlying_vertex, index_out_of_range, degenerate_face, zero_area_face, isolated_vertex,
+           duplicate_vertex, non_manifold_edge, non_manifold_vertex, duplicate_face, inconsistent_winding,
+           inward_facing_component, polygon]
 
 
 def main(program, folder):

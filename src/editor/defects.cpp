@@ -54,7 +54,8 @@ std::vector<FileNote> notes_on_file(const MeshState& state, const std::filesyste
   for (const Note& note : notes_on_files(state.mesh)) notes.push_back({with_name(note, state.mesh, name), {}});
   if (state.mesh.face_count() == 0) {
     notes.push_back({facts::editor::NoSurface{.file = name}, {}});
-  } else if (const auto range = range_note(state.mesh.positions, name)) {
+  } else if (const auto range = range_note(state.mesh.positions, name);
+             range && !state.diagnostics.find(FindingKind::outlying_vertex)) {
     notes.push_back({*range, {}});
   } else {
     FileNote defects{

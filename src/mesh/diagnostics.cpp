@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <meshgraft/core/error.h>
 
 #include "closed_components.h"
@@ -15,6 +17,7 @@
 #include "face_keys.h"
 #include "fans.h"
 #include "mesh/facts.h"
+#include "outlying.h"
 
 namespace meshgraft {
 
@@ -87,11 +90,70 @@ std::vector<Index> repeated_faces(const Mesh& mesh, const EdgeTable& table) {
   return repeated;
 }
 
+// Returns how many radii of the others a vertex is away from their centre.
+double radii_away(const OutlyingVertices& outlying, const Mesh& mesh, Index v) {
+  return outlying.distance(mesh.positions.row(v)) / outlying.radius;
+}
+
+void add_outlying(const Mesh& mesh, const OutlyingVertices& outlying, std::vector<Finding>& findings) {
+  if (const auto count = static_cast<Index>(outlying.far.size()); count > 0) {
+    const Index v = outlying.far.front();
+    findings.push_back({FindingKind::outlying_vertex, Severity::refused, count, Domain::vertex, outlying.far,
+                        facts::mesh::OutlyingVertex{.count = count,
+                                                    .vertex = v,
+                                                    .x = mesh.positions(v, 0),
+                                                    .y = mesh.positions(v, 1),
+                                                    .z = mesh.positions(v, 2),
+                                                    .times = radii_away(outlying, mesh, v)}});
+  }
+  if (const auto count = static_cast<Index>(outlying.too_large.size()); count > 0) {
+    double size = 0;
+    for (const Index v : outlying.too_large) size = std::max(size, mesh.positions.row(v).cwiseAbs().maxCoeff());
+    findings.push_back({FindingKind::coordinate_too_large, Severity::refused, count, Domain::vertex,
+                        outlying.too_large, facts::mesh::TooLarge{.count = count, .size = size}});
+  }
+}
+
+// Returns the inward-facing components. The volume of one with an outlying vertex is that vertex's alone, and
+// tells nothing.
+std::vector<Index> inward(const Mesh& mesh, const EdgeTable& table, const OutlyingVertices& outlying,
+                          const Context& context) {
+  auto [component, components] = inward_components(mesh, table, context);
+  for (const Index v : outlying.far) std::erase(components, component[v]);
+  return std::move(components);
+}
+
+// Returns the error for a refused finding. `here` are the first of its elements that an edit reaches.
+Error refusal(const Finding& finding, const Mesh& mesh, std::span<const Index> here, const std::string& name) {
+  const Location location = Location::file(name);
+  const auto at = [&](int axis) { return mesh.positions(here.front(), axis); };
+  switch (finding.kind) {
+    case FindingKind::non_finite:
+      return {facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = here}, location};
+    case FindingKind::outlying_vertex:
+      return {
+          facts::mesh::OutlyingVertexWithinReach{.count = finding.count,
+                                                 .first = here,
+                                                 .x = at(0),
+                                                 .y = at(1),
+                                                 .z = at(2),
+                                                 .times = radii_away(find_outlying(mesh), mesh, here.front())},
+          location};
+    case FindingKind::coordinate_too_large:
+      return {facts::mesh::CoordinateTooLarge{.vertex = here.front(),
+                                              .size = mesh.positions.row(here.front()).cwiseAbs().maxCoeff()},
+              location / Location::place(fmt::format("vertex {}", here.front()))};
+    default: return {facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = here}, location};
+  }
+}
+
 }  // namespace
 
 std::string_view name_of(FindingKind kind) {
   switch (kind) {
     case FindingKind::non_finite: return "non-finite";
+    case FindingKind::outlying_vertex: return "outlying-vertex";
+    case FindingKind::coordinate_too_large: return "coordinate-too-large";
     case FindingKind::index_out_of_range: return "index-out-of-range";
     case FindingKind::degenerate_face: return "degenerate-face";
     case FindingKind::zero_area_face: return "zero-area-face";
@@ -129,6 +191,9 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   };
   add(FindingKind::non_finite, Severity::refused, Domain::vertex, counted<facts::mesh::NonFinite>,
       where(vertices, [&](Index v) { return !is_finite(mesh, v); }));
+  const OutlyingVertices outlying = find_outlying(mesh);
+  context.throw_if_stopped();
+  add_outlying(mesh, outlying, report.findings);
   add(FindingKind::index_out_of_range, Severity::refused, Domain::face, counted<facts::mesh::IndexOutOfRange>,
       where(faces, [&](Index f) { return !in_range(mesh, f); }));
 
@@ -136,7 +201,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const auto without_area = [&](Index f) {
     if (!in_range(mesh, f) || degenerate(f)) return false;
     for (const Index v : mesh.faces[f]) {
-      if (!is_finite(mesh, v)) return false;
+      if (!is_finite(mesh, v) || std::ranges::binary_search(outlying.far, v)) return false;
     }
     return has_no_area(mesh.faces[f], mesh.positions);
   };
@@ -166,7 +231,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
       counted<facts::mesh::InconsistentWinding>, ends_of(table, against), against.size());
   context.step("check", 0.9);
   add(FindingKind::inward_facing_component, Severity::info, Domain::vertex,
-      counted<facts::mesh::InwardFacingComponent>, inward_components(mesh, table, context).components);
+      counted<facts::mesh::InwardFacingComponent>, inward(mesh, table, outlying, context));
   add(FindingKind::polygon, Severity::info, Domain::face, counted<facts::mesh::Polygon>,
       where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }));
   context.step("check", 1);
@@ -199,11 +264,7 @@ void require_sound(const Diagnostics& report, const Mesh& mesh, const RequireSou
     }
     if (here.empty()) continue;
     const auto first = std::span(here).first(std::min<std::size_t>(here.size(), 5));
-    if (finding.domain == Domain::vertex)
-      throw Error(facts::mesh::NonFiniteWithinReach{.count = finding.count, .first = first},
-                  Location::file(options.name));
-    throw Error(facts::mesh::IndexOutOfRangeWithinReach{.count = finding.count, .first = first},
-                Location::file(options.name));
+    throw refusal(finding, mesh, first, options.name);
   }
 }
 

@@ -10,25 +10,33 @@ namespace meshgraft {
 
 namespace {
 
-bool is_refused(const Diagnostics& diagnostics) {
-  return std::ranges::any_of(diagnostics.findings,
-                             [](const Finding& finding) { return finding.severity == Severity::refused; });
-}
-
-bool has_usable_corners(const Mesh& mesh, Index face) {
-  return in_range(mesh, face) &&
-         std::ranges::all_of(mesh.faces[face], [&](Index v) { return mesh.positions.row(v).allFinite(); });
+// Returns the vertices that the check refuses, ascending.
+std::vector<Index> refused_vertices(const Diagnostics& diagnostics) {
+  std::vector<Index> vertices;
+  for (const Finding& finding : diagnostics.findings)
+    if (finding.severity == Severity::refused && finding.domain == Domain::vertex)
+      vertices.insert(vertices.end(), finding.indices.begin(), finding.indices.end());
+  std::ranges::sort(vertices);
+  return vertices;
 }
 
 }  // namespace
 
 SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std::string& name)
     : given_(mesh), diagnostics_(diagnostics), name_(name) {
-  if (!is_refused(diagnostics)) return;
+  if (std::ranges::none_of(diagnostics.findings,
+                           [](const Finding& finding) { return finding.severity == Severity::refused; }))
+    return;
+  refused_ = refused_vertices(diagnostics);
+  Flags refused(mesh.vertex_count(), 0);
+  for (const Index v : refused_) refused[v] = 1;
+  const auto usable = [&](Index f) {
+    return in_range(mesh, f) && std::ranges::none_of(mesh.faces[f], [&](Index v) { return refused[v] != 0; });
+  };
   TracedFaces kept;
   std::vector<EdgePoint> corners;
   for (Index f = 0; f < mesh.face_count(); ++f) {
-    if (!has_usable_corners(mesh, f)) {
+    if (!usable(f)) {
       faces_.push_back(f);
       continue;
     }
@@ -42,11 +50,7 @@ SoundMesh::SoundMesh(const Mesh& mesh, const Diagnostics& diagnostics, const std
   Mesh& sound = sound_.emplace();
   sound.source = mesh.source;
   sound.positions = mesh.positions;
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    if (mesh.positions.row(v).allFinite()) continue;
-    non_finite_.push_back(v);
-    sound.positions.row(v) = mesh.positions.row(kept.faces[0][0]);
-  }
+  for (const Index v : refused_) sound.positions.row(v) = mesh.positions.row(kept.faces[0][0]);
   std::vector<EdgePoint> faces;
   for (const Index f : kept.face_origin) faces.push_back(same(f));
   for (const Attribute& attribute : mesh.attributes) {
@@ -85,7 +89,7 @@ Error SoundMesh::explained(const Error& error) const {
 }
 
 void SoundMesh::put_back(const IndexMap& vertex, Mesh& result) const {
-  for (const Index v : non_finite_)
+  for (const Index v : refused_)
     if (const Index now = vertex.new_index[v]; now >= 0) result.positions.row(now) = given_.positions.row(v);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,10 +13,10 @@
 namespace meshgraft {
 
 /// A mesh without the faces that the check refuses, so that a step that does not reach them can run. It
-/// leaves out faces with the index of a vertex that does not exist, or with a vertex of non-finite
-/// coordinates. Vertices keep their indices. Vertices without finite coordinates belong to no face, and get
-/// the position of another vertex until `put_back` restores them. If the check refuses nothing, it is the
-/// given mesh, at no cost.
+/// leaves out faces with the index of a vertex that does not exist, or with a vertex that is refused (of
+/// non-finite, outlying or too large coordinates). Vertices keep their indices. Refused vertices belong to no
+/// face, and get the position of another vertex until `put_back` restores them. If the check refuses nothing,
+/// it is the given mesh, at no cost.
 class SoundMesh {
  public:
   /// Keeps references to `mesh` and `diagnostics`. Throws Error(input), as `require_sound` does, where no
@@ -35,7 +36,10 @@ class SoundMesh {
   /// any. The error may concern a boundary that only this mesh has.
   Error explained(const Error& error) const;
 
-  /// Restores the non-finite coordinates of the given mesh's vertices in `result`. `vertex` maps from the
+  /// Returns whether the check refuses a vertex, so that it has the position of another one.
+  bool is_refused(Index vertex) const { return std::ranges::binary_search(refused_, vertex); }
+
+  /// Restores the coordinates of the given mesh's refused vertices in `result`. `vertex` maps from the
   /// given mesh to `result`.
   void put_back(const IndexMap& vertex, Mesh& result) const;
 
@@ -44,7 +48,7 @@ class SoundMesh {
   const Diagnostics& diagnostics_;
   std::string name_;
   std::optional<Mesh> sound_;
-  std::vector<Index> non_finite_, faces_;  // vertices and faces of the given mesh that were left out
+  std::vector<Index> refused_, faces_;  // vertices and faces of the given mesh that were left out
 };
 
 }  // namespace meshgraft

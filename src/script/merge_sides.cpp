@@ -36,7 +36,7 @@ std::vector<Index> MergeSide::reached(const IndexMap& map, const Mesh& result,
   std::vector<Index> vertices;
   for (Index v = 0; v < state.mesh.vertex_count(); ++v) {
     const Index now = map.new_index[v];
-    if (state.mesh.positions.row(v).allFinite() && (now < 0 || at_seam[now])) vertices.push_back(v);
+    if (!sound.is_refused(v) && (now < 0 || at_seam[now])) vertices.push_back(v);
   }
   return vertices;
 }

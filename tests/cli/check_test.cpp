@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -24,7 +25,13 @@ TEST_F(CommandLine, CheckNamesWhatARepairChanges) {
   meshes.push_back({"t_junctions", "", with_t_junctions(shapes::torus(40, 20, true), 3, 1)});
   meshes.push_back({"floating_bits", "", with_floating_bits(shapes::torus(40, 20, true), 2, 1)});
   meshes.push_back({"noisy_soup", "", with_noise(as_soup(shapes::torus(40, 20, true)), 1e-8, 1)});
-  meshes.push_back({"clean", "", shapes::torus(40, 20, true)});
+  const Mesh torus = shapes::torus(40, 20, true);
+  for (const double distance : {1e3, 1e5, 1e7, 1e12, 1e30, 1e100, 1e300})
+    for (const std::vector<Index>& moved : {std::vector<Index>{100}, {100, 101}, {5, 300}, {0, 799}})
+      meshes.push_back({fmt::format("{} outlying at {}", moved.size(), distance), "",
+                        with_outlying(torus, moved, distance)});
+  meshes.push_back({"outlying in no face", "", with_outlying(with_isolated(torus, 1, 1), {800}, 1e61)});
+  meshes.push_back({"clean", "", torus});
   for (const DirtyScan& scan : meshes) {
     SCOPED_TRACE(scan.name);
     write_mesh(scan.mesh, folder_ / "scan.ply");
@@ -46,8 +53,37 @@ TEST_F(CommandLine, CheckNamesWhatARepairChanges) {
       EXPECT_EQ(check.status, 3);
       EXPECT_TRUE(try_deform(repair(scan.mesh).mesh).works) << try_deform(repair(scan.mesh).mesh).reason;
     }
+    const Mesh mended = repair(scan.mesh).mesh;
+    const Eigen::RowVector3d centre = mended.positions.colwise().mean();
+    const std::string middle =
+        fmt::format("--plane {},{},{},1,2,3 -o half.ply --force", centre.x(), centre.y(), centre.z());
+    const Outcome cut = run("cut scan.ply " + middle);
+    if (cut.status != 0) {
+      EXPECT_EQ(check.status, 3) << cut.err;
+      write_mesh(mended, folder_ / "repaired.ply");
+      const Outcome again = run("cut repaired.ply " + middle);
+      EXPECT_EQ(again.status, 0) << again.err;
+    }
   }
   EXPECT_EQ(run("check scan.ply").status, 0);
+}
+
+// No repair makes a mesh smaller: the remedy is the user's, and no command is prescribed.
+TEST_F(CommandLine, CheckNamesMeshesThatAreTooLargeAsAWhole) {
+  Mesh torus = shapes::torus(12, 8, true);
+  for (const double size : {1e30, 1e59, 1e61, 1e120, 1e300}) {
+    SCOPED_TRACE(size);
+    Mesh large = torus;
+    large.positions *= size;
+    write_mesh(large, folder_ / "large.ply");
+    const Outcome check = run("check large.ply");
+    const Outcome cut = run("cut large.ply --plane x=0 -o half.ply --force");
+    EXPECT_EQ(check.status, size < 1e60 ? 0 : 3) << check.out;
+    EXPECT_EQ(cut.status, check.status) << cut.err;
+    EXPECT_EQ(check.out.find("to mend"), std::string::npos) << check.out;
+    EXPECT_EQ(check.out.find("Scale the mesh down") != std::string::npos, size > 1e60) << check.out;
+    if (size > 1e60) EXPECT_NE(cut.err.find("Scale the mesh down"), std::string::npos) << cut.err;
+  }
 }
 
 // The command that a check prescribes works as it is, whatever the file is called.

@@ -92,8 +92,8 @@ TEST(Wording, SentencesNameFlagsAndEndWithNotes) {
   EXPECT_EQ(
       sentence(found.with(facts::mesh::FacesLeftOut{.mesh = "a.ply", .count = 2})),
       "--fix: the pose is found, so nothing stays in place. Keep the pose (--pose keep), or mark the vertices "
-      "as a feature. a.ply: 2 faces that have no place were left out ('meshgraft check' names the vertices "
-      "without finite coordinates and the indices out of range)");
+      "as a feature. a.ply: 2 faces that are refused were left out ('meshgraft check' names what is "
+      "refused)");
   EXPECT_EQ(sentence(facts::mesh::ZeroAreaFace{.count = 1}),
             "1 face has no area. Weights and normals leave them out; the file keeps them.");
 }

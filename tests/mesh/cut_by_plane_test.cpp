@@ -216,7 +216,7 @@ TEST(Cut, CutsTheSoundFacesOfADefectiveMesh) {
   EXPECT_EQ(sound.mesh().face_count(), 768 - 6);
   EXPECT_EQ(sound.mesh().attributes[0].values, std::vector<double>(762, 1));
   ASSERT_TRUE(sound.note().has_value());
-  EXPECT_TRUE(sound.note()->text().starts_with("torus: 7 faces that have no place were left out"))
+  EXPECT_TRUE(sound.note()->text().starts_with("torus: 7 faces that are refused were left out"))
       << sound.note()->text();
   try {
     cut_by_plane(sound.mesh(), {Vector3d(0, 0, 99), Vector3d(0, 0, 1)});

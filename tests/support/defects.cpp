@@ -101,10 +101,10 @@ bool is_closed(const Mesh& mesh) { return summarise_topology(mesh).closed; }
 
 const std::vector<FindingKind>& defect_kinds() {
   static const std::vector<FindingKind> kinds{
-      FindingKind::non_finite,           FindingKind::index_out_of_range,     FindingKind::degenerate_face,
-      FindingKind::zero_area_face,       FindingKind::isolated_vertex,        FindingKind::duplicate_vertex,
-      FindingKind::non_manifold_edge,    FindingKind::non_manifold_vertex,    FindingKind::duplicate_face,
-      FindingKind::inconsistent_winding, FindingKind::inward_facing_component};
+      FindingKind::non_finite,       FindingKind::outlying_vertex,      FindingKind::index_out_of_range,
+      FindingKind::degenerate_face,  FindingKind::zero_area_face,       FindingKind::isolated_vertex,
+      FindingKind::duplicate_vertex, FindingKind::non_manifold_edge,    FindingKind::non_manifold_vertex,
+      FindingKind::duplicate_face,   FindingKind::inconsistent_winding, FindingKind::inward_facing_component};
   return kinds;
 }
 
@@ -122,6 +122,9 @@ Defective inject(const Mesh& clean, FindingKind kind) {
   };
   if (kind == FindingKind::non_finite) {
     mesh.positions(face[0], 1) = std::numeric_limits<double>::quiet_NaN();
+    expect(Domain::vertex, {face[0]});
+  } else if (kind == FindingKind::outlying_vertex) {
+    mesh.positions(face[0], 1) += 1e30 * (1 + box_diagonal(clean));
     expect(Domain::vertex, {face[0]});
   } else if (kind == FindingKind::index_out_of_range) {
     mesh.faces.push_back(Face{face[0], face[1], clean.vertex_count()});
@@ -421,6 +424,12 @@ Mesh with_non_finite(Mesh mesh, int count, unsigned seed) {
   int k = 0;
   for (const Index f : spread_faces(mesh, count, seed))
     mesh.positions(mesh.faces[f][0], k++ % 3) = std::numeric_limits<double>::quiet_NaN();
+  return mesh;
+}
+
+Mesh with_outlying(Mesh mesh, const std::vector<Index>& vertices, double distance) {
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    mesh.positions.row(vertices[k]) += Eigen::RowVector3d(k % 2 == 0 ? distance : -distance, distance / 3, 0);
   return mesh;
 }
 

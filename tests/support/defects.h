@@ -19,7 +19,7 @@ struct Defective {
   std::vector<Index> indices;  ///< ascending
 };
 
-/// Returns all kinds of findings but polygons.
+/// Returns all kinds of findings but polygons and coordinates that are too large, which no repair mends.
 const std::vector<FindingKind>& defect_kinds();
 
 /// Puts one defect of a kind into a mesh of triangles. If the mesh cannot have it, leaves the mesh clean, and
@@ -44,6 +44,8 @@ Mesh with_bow_ties(const Mesh& mesh, int count, unsigned seed);  ///< merges ver
 /// faces there. The other vertices of seams stay joined, or with `apart` become vertices at one position.
 Mesh with_cracks(const Mesh& mesh, int patches, double width, bool apart);
 Mesh with_non_finite(Mesh mesh, int count, unsigned seed);
+/// Moves vertices by a distance, every second one in the opposite direction.
+Mesh with_outlying(Mesh mesh, const std::vector<Index>& vertices, double distance);
 Mesh with_bad_indices(const Mesh& mesh, int count, unsigned seed);
 Mesh with_isolated(const Mesh& mesh, int count, unsigned seed);
 Mesh both(const Mesh& first, const Mesh& second);  ///< two meshes as one

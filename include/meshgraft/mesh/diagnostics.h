@@ -20,6 +20,8 @@ enum class Severity {
 /// The kinds of findings, worst first; check_mesh explains each.
 enum class FindingKind {
   non_finite,
+  outlying_vertex,
+  coordinate_too_large,
   index_out_of_range,
   degenerate_face,
   zero_area_face,
@@ -66,6 +68,11 @@ struct Diagnostics {
 ///
 /// Refused, because nothing sound can be computed there:
 /// - non_finite: vertices with a coordinate that is not a finite number;
+/// - outlying_vertex: vertices far beyond all others. Let the distance of a vertex be the largest absolute
+///   difference of its coordinates from the vertices' medians, and R the radius of three quarters of the
+///   vertices by it. The vertices meant are more than 1e6 R away and in a face with a vertex 1e6 times nearer,
+///   or more than 1e6 R away and beyond 1e60;
+/// - coordinate_too_large: other vertices with a coordinate beyond 1e60;
 /// - index_out_of_range: faces with the index of a vertex that does not exist.
 ///
 /// Worked around in the solve:
@@ -99,8 +106,9 @@ struct RequireSoundOptions {
 };
 
 /// Throws Error(input) for the first refused finding that touches one of the options' vertices:
-/// mesh.non_finite_within_reach or mesh.index_out_of_range_within_reach, with the finding's number of
-/// vertices or faces, and the first five of those that touch. A face touches if one of its vertices does.
+/// mesh.non_finite_within_reach, mesh.outlying_vertex_within_reach or mesh.index_out_of_range_within_reach,
+/// with the finding's number of vertices or faces and the first five of those that touch, or
+/// mesh.coordinate_too_large. A face touches if one of its vertices does.
 void require_sound(const Diagnostics& report, const Mesh& mesh, const RequireSoundOptions& options = {});
 
 }  // namespace meshgraft

@@ -21,8 +21,8 @@ enum class HoleFill {
 
 /// The steps of a repair, in their order, and their limits.
 struct RepairOptions {
-  /// Remove faces with the index of a vertex that does not exist, and vertices with a non-finite coordinate
-  /// with their faces.
+  /// Remove faces with the index of a vertex that does not exist, and vertices with a non-finite coordinate or
+  /// far beyond all others (outlying_vertex of check_mesh) with their faces.
   bool remove_invalid = true;
   /// Remove repeated corners, duplicate faces and faces without area.
   bool clean_faces = true;
@@ -56,6 +56,7 @@ enum class RepairChangeKind {
   removed_out_of_range_face,  ///< faces with the index of a vertex that does not exist were removed
   removed_non_finite_face,    ///< faces of a vertex with a non-finite coordinate were removed
   removed_non_finite_vertex,  ///< vertices with a non-finite coordinate were removed
+  removed_outlying_vertex,    ///< vertices far beyond all others were removed with their faces
   mended_degenerate_face,     ///< repeated corners were removed, or the face with them
   removed_duplicate_face,     ///< faces with the corners of another were removed
   removed_zero_area_face,     ///< faces without area were removed
@@ -103,7 +104,8 @@ struct RepairResult {
   const RepairChange* find(RepairChangeKind kind) const;
 };
 
-/// Repairs a mesh with any defects so that every command accepts it (docs/repair.md). The result is cleaned
+/// Repairs a mesh with any defects so that every command accepts it (docs/repair.md), except one whose
+/// coordinates are too large, for which scaling it is the only remedy. The result is cleaned
 /// and welded, its edges and vertices are manifold, it is consistently oriented, and small holes are closed.
 /// Positions are kept, and vertices and faces stay in their order; new ones come last. Attributes are kept. A
 /// vertex attribute that differs between welded vertices becomes one per corner; of colours the first one's

@@ -18,6 +18,7 @@
 #include "mesh/edge_table.h"
 #include "mesh/facts.h"
 #include "mesh/join.h"
+#include "mesh/outlying.h"
 
 namespace meshgraft {
 
@@ -287,10 +288,10 @@ class Separation {
 }  // namespace
 
 void check(const Mesh& mesh, const CutOptions& options) {
-  constexpr double most = 1e60;  // products of lengths must stay finite
   if (mesh.face_count() == 0) throw Error(facts::core::NoFaces{});
   for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if (const double size = mesh.positions.row(v).cwiseAbs().maxCoeff(); size > most && std::isfinite(size))
+    if (const double size = mesh.positions.row(v).cwiseAbs().maxCoeff();
+        size > largest_coordinate && std::isfinite(size))
       throw Error(facts::mesh::CoordinateTooLarge{.vertex = v, .size = size},
                   Location::place(fmt::format("vertex {}", v)));
   if (!(options.snap >= 0 && options.snap <= 0.5))

@@ -12,6 +12,7 @@ std::string_view name_of(RepairChangeKind kind) {
     case RepairChangeKind::removed_out_of_range_face: return "removed-out-of-range-face";
     case RepairChangeKind::removed_non_finite_face: return "removed-non-finite-face";
     case RepairChangeKind::removed_non_finite_vertex: return "removed-non-finite-vertex";
+    case RepairChangeKind::removed_outlying_vertex: return "removed-outlying-vertex";
     case RepairChangeKind::mended_degenerate_face: return "mended-degenerate-face";
     case RepairChangeKind::removed_duplicate_face: return "removed-duplicate-face";
     case RepairChangeKind::removed_zero_area_face: return "removed-zero-area-face";
@@ -36,6 +37,7 @@ Note note_of(RepairChangeKind kind, Index count) {
     case RepairChangeKind::removed_non_finite_face: return facts::mesh::RemovedNonFiniteFace{.count = count};
     case RepairChangeKind::removed_non_finite_vertex:
       return facts::mesh::RemovedNonFiniteVertex{.count = count};
+    case RepairChangeKind::removed_outlying_vertex: return facts::mesh::RemovedOutlyingVertex{.count = count};
     case RepairChangeKind::mended_degenerate_face: return facts::mesh::MendedDegenerateFace{.count = count};
     case RepairChangeKind::removed_duplicate_face: return facts::mesh::RemovedDuplicateFace{.count = count};
     case RepairChangeKind::removed_zero_area_face: return facts::mesh::RemovedZeroAreaFace{.count = count};

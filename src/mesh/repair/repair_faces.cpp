@@ -1,38 +1,48 @@
 // Repair of single faces: invalid, duplicate or without area.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "mesh/face_defects.h"
 #include "mesh/face_keys.h"
 #include "mesh/facts.h"
+#include "mesh/outlying.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
 
 bool remove_invalid(RepairSurface& surface) {
   const Mesh& mesh = surface.mesh();
-  std::vector<Index> bad_vertices;
+  const std::vector<Index> outlying = find_outlying(mesh).far;
+  enum : std::uint8_t { sound, non_finite, far };
+  std::vector<std::uint8_t> state(mesh.vertex_count(), sound);
   for (Index v = 0; v < mesh.vertex_count(); ++v)
-    if (!mesh.positions.row(v).allFinite()) bad_vertices.push_back(v);
-  Flags out_of_range(mesh.face_count(), 0), non_finite(mesh.face_count(), 0);
-  bool any_out = false, any_non_finite = false;
+    if (!mesh.positions.row(v).allFinite()) state[v] = non_finite;
+  for (const Index v : outlying) state[v] = far;
+  Flags out_of_range(mesh.face_count(), 0), without_place(mesh.face_count(), 0), doomed(mesh.face_count(), 0);
+  Flags removed(mesh.vertex_count(), 0);
+  bool any_out = false, any_non_finite = false, any_far = false;
   for (Index f = 0; f < mesh.face_count(); ++f) {
-    out_of_range[f] = !in_range(mesh, f);
-    if (out_of_range[f]) {
+    if (!in_range(mesh, f)) {
       any_out = true;
+      out_of_range[f] = doomed[f] = 1;
       continue;
     }
-    for (const Index v : mesh.faces[f])
-      if (std::binary_search(bad_vertices.begin(), bad_vertices.end(), v)) non_finite[f] = 1;
-    any_non_finite = any_non_finite || non_finite[f];
+    for (const Index v : mesh.faces[f]) {
+      if (state[v] == sound) continue;
+      doomed[f] = 1;
+      (state[v] == far ? any_far : any_non_finite) = true;
+      (state[v] == far ? removed[v] : without_place[f]) = 1;
+    }
   }
   if (any_out) surface.report_faces(RepairChangeKind::removed_out_of_range_face, out_of_range);
-  if (any_non_finite) surface.report_faces(RepairChangeKind::removed_non_finite_face, non_finite);
-  if (!any_out && !any_non_finite) return false;
-  for (Index f = 0; f < mesh.face_count(); ++f) out_of_range[f] |= non_finite[f];
-  surface.remove_faces(out_of_range);
+  if (any_non_finite) surface.report_faces(RepairChangeKind::removed_non_finite_face, without_place);
+  if (any_far) surface.report_vertices(RepairChangeKind::removed_outlying_vertex, removed);
+  if (!any_out && !any_non_finite && !any_far) return false;
+  surface.remove_faces(doomed);
   return true;
 }
 

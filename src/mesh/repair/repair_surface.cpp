@@ -14,6 +14,7 @@
 #include "mesh/face_defects.h"
 #include "mesh/facts.h"
 #include "mesh/join.h"
+#include "mesh/outlying.h"
 #include "mesh/traced_faces.h"
 
 namespace meshgraft {
@@ -146,6 +147,17 @@ void RepairSurface::report_faces(RepairChangeKind kind, const Flags& chosen) {
   report(kind, Domain::face, std::move(given), count);
 }
 
+void RepairSurface::report_vertices(RepairChangeKind kind, const Flags& chosen) {
+  std::vector<Index> given;
+  Index count = 0;
+  for (Index v = 0; v < mesh_.vertex_count(); ++v) {
+    if (!chosen[v]) continue;
+    ++count;
+    if (vertex_origin_[v] >= 0) given.push_back(vertex_origin_[v]);
+  }
+  report(kind, Domain::vertex, std::move(given), count);
+}
+
 void RepairSurface::note(const Note& note) {
   if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
 }
@@ -156,18 +168,23 @@ std::vector<Index> RepairSurface::place_vertices(bool remove_isolated, RepairRes
     if (is_vertex_of(mesh_, v)) used[v] = 1;
   for (const Index v : given_.faces.corners())
     if (is_vertex_of(given_, v)) had_face[v] = 1;
-  std::vector<Index> isolated, non_finite;
+  std::vector<Index> isolated, non_finite, outlying;
+  const std::vector<Index> far = remove_isolated ? std::vector<Index>() : find_outlying(given_).far;
   for (Index v = 0; v < given_.vertex_count(); ++v) {
     if (had_face[v]) continue;
     if (remove_isolated)
       isolated.push_back(v);
     else if (!given_.positions.row(v).allFinite())
       non_finite.push_back(v);
+    else if (std::ranges::binary_search(far, v))
+      outlying.push_back(v);
     else
       used[v] = 1;
   }
   if (const auto count = static_cast<Index>(non_finite.size()); count > 0)
     report(RepairChangeKind::removed_non_finite_vertex, Domain::vertex, std::move(non_finite), count);
+  if (const auto count = static_cast<Index>(outlying.size()); count > 0)
+    report(RepairChangeKind::removed_outlying_vertex, Domain::vertex, std::move(outlying), count);
   if (const auto count = static_cast<Index>(isolated.size()); count > 0)
     report(RepairChangeKind::removed_isolated_vertex, Domain::vertex, std::move(isolated), count);
 

@@ -68,6 +68,7 @@ class RepairSurface {
   // Reports of changes. Indices refer to the surface before the change.
   void report(RepairChangeKind kind, Domain domain, std::vector<Index> given_indices, Index count);
   void report_faces(RepairChangeKind kind, const Flags& chosen);
+  void report_vertices(RepairChangeKind kind, const Flags& chosen);
   /// Adds a note that is not there already.
   void note(const Note& note);
 
