@@ -77,6 +77,11 @@ Response refuse(const Request& request, http::status status, std::string_view wh
   return response;
 }
 
+// Returns whether the client sends the body only after the status 100, or after a wait (RFC 9110, 10.1.1).
+bool awaits_continue(const Request& request) {
+  return request.version() >= 11 && beast::iequals(request[http::field::expect], "100-continue");
+}
+
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
 /// The queue of messages to one tab. The mailbox outlives the connection; after that it discards messages.
@@ -395,11 +400,16 @@ asio::awaitable<Response> Server::Impl::receive_file(beast::tcp_stream& stream, 
   uploaded_bytes += announced;
 
   const std::filesystem::path path = new_upload(target.field("name"));
+  error_code failed;
+  if (awaits_continue(request)) {
+    http::response<http::empty_body> go_on(http::status::continue_, request.version());
+    stream.expires_after(options.patience);
+    co_await http::async_write(stream, go_on, asio::redirect_error(asio::use_awaitable, failed));
+  }
   http::request_parser<http::file_body> parser(std::move(head));
   parser.body_limit(options.upload_limit);
-  error_code failed;
   buffer.reserve(std::size_t{1} << 16);  // the buffer's capacity limits each read
-  parser.get().body().open(path.c_str(), beast::file_mode::write_new, failed);
+  if (!failed) parser.get().body().open(path.c_str(), beast::file_mode::write_new, failed);
   while (!failed && !parser.is_done()) {
     stream.expires_after(options.patience);
     co_await http::async_read_some(stream, buffer, parser, asio::redirect_error(asio::use_awaitable, failed));

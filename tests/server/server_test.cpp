@@ -496,6 +496,42 @@ TEST_F(Uploads, ThatAreTooLargeLeaveNothing) {
   EXPECT_EQ(ask(server, upload(server, "next.ply", "x")).status, http::status::ok);
 }
 
+// The client sends the body only when it is told to go on, as curl does for a second.
+TEST_F(Uploads, AreAskedForWhereTheClientAwaitsIt) {
+  options_.patience = 2s;  // a server that does not ask closes the connection
+  const Running server(options_);
+  const auto exchange = [&](std::size_t announced, const char* expectation) {
+    asio::io_context io;
+    tcp::socket socket = connect_to(io, server.port());
+    const Ask what = upload(server, "head.ply", "");
+    http::request<http::empty_body> head(what.method, what.target, 11);
+    head.set(http::field::host, server.host());
+    head.set(http::field::origin, what.origin);
+    head.set(http::field::expect, expectation);
+    head.content_length(announced);
+    http::request_serializer<http::empty_body> serializer(head);
+    http::write_header(socket, serializer);
+    std::vector<http::status> answers;
+    beast::flat_buffer buffer;
+    beast::error_code failed;
+    while (!failed) {
+      http::response_parser<http::string_body> parser;
+      http::read(socket, buffer, parser, failed);
+      if (failed) break;
+      answers.push_back(parser.get().result());
+      if (answers.back() != http::status::continue_) break;
+      asio::write(socket, asio::buffer(std::string(announced, 'x')), failed);
+    }
+    return answers;
+  };
+  const std::vector<http::status> asked{http::status::continue_, http::status::ok};
+  EXPECT_EQ(exchange(1000, "100-continue"), asked);
+  EXPECT_EQ(exchange(1000, "100-Continue"), asked);
+  EXPECT_EQ(kept(), 2u);
+  EXPECT_EQ(exchange(2 << 20, "100-continue"), std::vector{http::status::payload_too_large})
+      << "not even asked";
+}
+
 TEST_F(Uploads, TakeSoManyBytesTogetherAndNoMore) {
   options_.uploads_limit = 3000;
   const Running server(options_);
