@@ -14,7 +14,8 @@
 
 namespace meshgraft::editor {
 
-GraftView::GraftView(Outbox outbox, const Numbers& numbers) : outbox_(std::move(outbox)), numbers_(numbers) {
+GraftView::GraftView(Outbox outbox, const Numbers& numbers, RunningSteps& running)
+    : outbox_(std::move(outbox)), numbers_(numbers), running_(running) {
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
 }
 
@@ -78,6 +79,8 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     context.progress = [outbox = outbox_](const Progress& progress) {
       outbox.tell("progress", progress_fields(nullptr, progress), "graft progress");
     };
+  std::optional<RunningSteps::Mark> mark;
+  if (!job.dragged) mark = running_.begin(Objects::step_keys(job.document).back());
   std::vector<std::byte> frame;
   StepOutcome outcome;
   Json told = {{"graft", number}, {"dragged", job.dragged}};

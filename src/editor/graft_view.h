@@ -27,7 +27,8 @@ struct GraftJob {
 /// only.
 class GraftView {
  public:
-  GraftView(Outbox outbox, const Numbers& numbers);
+  /// Marks the graft of a document in `running` while it runs.
+  GraftView(Outbox outbox, const Numbers& numbers, RunningSteps& running);
   ~GraftView();
   GraftView(const GraftView&) = delete;
   GraftView& operator=(const GraftView&) = delete;
@@ -55,6 +56,7 @@ class GraftView {
 
   Outbox outbox_;
   const Numbers& numbers_;
+  RunningSteps& running_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<Numbered> waiting_;

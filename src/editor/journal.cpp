@@ -129,6 +129,8 @@ Journal::Journal(const fs::path& path) : stem_(journal_of(path)) {
   if (found_ && found_->changes > 0 && !found_->saved) return;
   if (found_) require_written(file_.resize(0), path_);  // all of it is saved: it is removed with this session
   found_.reset();
+  std::error_code ignored;
+  fs::remove(path_.string() + ".running", ignored);
 }
 
 Journal::~Journal() {
@@ -161,6 +163,10 @@ bool Journal::open(bool create) {
   return false;
 }
 
+fs::path Journal::running_file() const {
+  return file_.is_open() && (started_ || found_) ? fs::path(path_.string() + ".running") : fs::path();
+}
+
 void Journal::take_up() {
   if (!file_.is_open()) return;
   std::error_code error;
@@ -175,6 +181,8 @@ void Journal::take_up() {
 }
 
 fs::path Journal::set_aside() {
+  std::error_code ignored;
+  fs::remove(path_.string() + ".running", ignored);
   fs::path aside;
   for (int number = 1; aside.empty() || fs::exists(aside); ++number)
     aside = path_.string() + fmt::format(".aside-{}", number);

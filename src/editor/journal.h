@@ -62,6 +62,8 @@ class Journal {
   /// Copies a file that lasts no longer than the program to a folder beside the journal, which is deleted
   /// with the journal. Returns the copy. Throws Error(io).
   std::filesystem::path keep(const std::filesystem::path& file);
+  /// Returns the file for the steps that run; empty where this session has no journal file yet.
+  std::filesystem::path running_file() const;
   std::filesystem::path kept_folder() const { return path_.string() + std::string(kept_folder_suffix); }
 
   // Each of these throws Error(io) with the id editor.journal_not_written where writing fails.

@@ -120,6 +120,8 @@ struct Objects::Keys {
   }
 };
 
+std::vector<std::string> Objects::step_keys(const Document& document) { return Keys(document).steps; }
+
 std::shared_ptr<const MeshState> Objects::input(const Document& document, const std::string& name,
                                                 const Keys& keys, const Context& context) {
   const std::string key = keys.of(name, 0);
@@ -141,6 +143,7 @@ std::shared_ptr<const MeshState> Objects::state(const Document& document, const 
   std::map<std::string, MeshState> states;
   for (const std::string& used : meshes_of(step))
     states.insert_or_assign(used, *state(document, used, *maker, keys, context));
+  const RunningSteps::Mark mark = running_.begin(key);
   const StepReport report =
       run_step(document.edit, step, (Location::file(document.edit.location) / "steps")[*maker], states,
                {.estimate_condition = false}, context);

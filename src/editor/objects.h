@@ -16,6 +16,7 @@
 
 #include "document.h"
 #include "numbers.h"
+#include "running_steps.h"
 #include "script/run_steps.h"
 
 namespace meshgraft::editor {
@@ -81,7 +82,8 @@ class Recent {
 /// Reads a document's inputs and runs its steps. Each runs once as long as its inputs stay the same.
 class Objects {
  public:
-  explicit Objects(const Numbers& numbers) : numbers_(numbers) {}
+  /// Marks each step in `running` while it runs.
+  Objects(const Numbers& numbers, RunningSteps& running) : numbers_(numbers), running_(running) {}
 
   /// Runs the steps before the one in work. Throws what `run_edit` throws.
   StepInputs before(const Document& document, const Context& context);
@@ -92,6 +94,9 @@ class Objects {
 
   /// Stores the result of the last step, so that accepting or saving it does not run it again.
   void learn(const Document& document, StepOutcome outcome);
+
+  /// Returns a key of each step, which changes with everything that its result depends on.
+  static std::vector<std::string> step_keys(const Document& document);
 
  private:
   /// The cache keys of each step and each input.
@@ -106,6 +111,7 @@ class Objects {
                                        std::shared_ptr<const MeshState> state);
 
   const Numbers& numbers_;
+  RunningSteps& running_;
   Recent<MeshState> inputs_, states_;
   Recent<Object> objects_;
   Recent<Json> found_;

@@ -1,6 +1,8 @@
 #include "step_actions.h"
 
 #include <algorithm>
+#include <iterator>
+#include <set>
 
 #include <meshgraft/core/error.h>
 
@@ -25,6 +27,15 @@ void rename_producer(Json& json, const Json& from, const std::string& to) {
       json["produced"].value("step", Json()) == from)
     json["produced"]["step"] = to;
   for (Json& part : json) rename_producer(part, from, to);
+}
+
+// Returns whether a selection contains {"produced": {"step", "what"}} of one of the steps, at any depth.
+bool is_produced_by(const Json& json, const std::set<std::string>& steps) {
+  if (!json.is_structured()) return false;
+  if (json.is_object() && json.contains("produced") && json["produced"].is_object() &&
+      steps.contains(json["produced"].value("step", std::string())))
+    return true;
+  return std::ranges::any_of(json, [&](const Json& part) { return is_produced_by(part, steps); });
 }
 
 }  // namespace
@@ -63,6 +74,20 @@ void remove_step(Json& document, std::size_t index) {
   step_at(document, index);
   if (document["steps"].size() == 1) throw Error(facts::editor::OnlyStep{}, "index");
   document["steps"].erase(index);
+}
+
+void leave_out_steps(Json& document, std::size_t first, const std::string& mesh) {
+  Json& steps = document["steps"];
+  std::set<std::string> gone;
+  for (std::size_t i = first; i < steps.size(); ++i)
+    if (steps[i].contains("name")) gone.insert(steps[i]["name"]);
+  steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(first), steps.end());
+  steps.push_back(empty_step(mesh));
+  document.erase("output");
+  if (!document.contains("selections")) return;
+  Json& selections = document["selections"];
+  for (auto one = selections.begin(); one != selections.end();)
+    one = is_produced_by(*one, gone) ? selections.erase(one) : std::next(one);
 }
 
 void rename_step(Json& document, std::size_t index, const std::string& name) {

@@ -129,7 +129,7 @@ void Worker::work(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const bool waits_for_frames = workspace_ && !workspace_->view().settled();
     if (const auto work = queue_.pop(waits_for_frames ? 50ms : 1h)) perform(*work);
-    if (workspace_) workspace_->view().poll();
+    if (workspace_) workspace_->poll();
   }
   workspace_.reset();
 }

@@ -16,6 +16,7 @@
 #include "script/fact_json.h"
 #include "script/sha256.h"
 #include "script/vector_json.h"
+#include "step_actions.h"
 #include "twist.h"
 
 namespace meshgraft::editor {
@@ -116,17 +117,21 @@ Workspace::Workspace(Document document, Source source, const Folders& folders, c
     : source_(std::move(source)),
       folders_(folders),
       outbox_(outbox),
-      objects_(numbers),
+      objects_(numbers, running_),
       view_(outbox, folders),
-      graft_view_(std::move(outbox), numbers),
+      graft_view_(std::move(outbox), numbers, running_),
       history_(document.text),
       saved_(document.text) {
   show(checked(std::move(document)), context);
 }
 
+// Deletes the list of running steps while the journal is still held: this is an end in order.
+Workspace::~Workspace() { running_.keep_in({}); }
+
 void Workspace::keep_journal() {
   if (source_.journal.empty()) return;
   journal_ = std::make_unique<Journal>(source_.journal);
+  ended_in_ = RunningSteps::left_in(journal_->running_file());
   if (const fs::path& aside = journal_->unreadable(); !aside.empty())
     outbox_.tell("notice", {{"error", error_json(Error(facts::editor::JournalUnreadable{}, aside))}});
 }
@@ -140,6 +145,8 @@ Document Workspace::checked(Document document) const {
 bool Workspace::show(Document next, const Context& context) {
   learn_graft();
   StepInputs stage = objects_.before(next, context);
+  std::optional<RunningSteps::Mark> mark;
+  if (deform_in_work(next.edit) != nullptr) mark = running_.begin(Objects::step_keys(next).back());
   LiveView::Plan plan = view_.plan(next, stage.model);
   bool begins = false;
   try {
@@ -148,12 +155,24 @@ bool Workspace::show(Document next, const Context& context) {
     if (!document_.text.empty()) view_.show(document_, view_.plan(document_, stage_.model), {});
     throw;
   }
+  set_up_ = std::move(mark);
+  end_set_up();
   show_parts(stage);
   stage_ = std::move(stage);
   document_ = std::move(next);
   show_graft(document_, stage_, false);
   carry_selection();
   return begins;
+}
+
+// The set-up of the current step runs on another thread.
+void Workspace::end_set_up() {
+  if (view_.settled()) set_up_.reset();
+}
+
+void Workspace::poll() {
+  view_.poll();
+  end_set_up();
 }
 
 // Sends the parts that the page does not have yet.
@@ -232,8 +251,10 @@ void Workspace::write(Step&& step) {
   if (!journal_) return;
   try {
     step(*journal_);
+    running_.keep_in(journal_->running_file());
   } catch (const std::exception&) {
     outbox_.tell("notice", {{"error", error_json(current_error())}});
+    running_.keep_in({});
     journal_.reset();
   }
 }
@@ -326,15 +347,38 @@ std::optional<Json> Workspace::offer() const {
               {"last", history.can_undo() ? Json(history.label()) : Json()}};
 }
 
+// Returns the first step of a document that ran when the engine of the earlier session was ended.
+std::optional<std::size_t> Workspace::step_that_ended(const Document& document) const {
+  const std::vector<std::string> keys = Objects::step_keys(document);
+  const auto found = std::ranges::find_first_of(keys, ended_in_);
+  if (found == keys.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - keys.begin());
+}
+
 void Workspace::restore(const Context& context) {
   if (!offer()) throw Error(facts::editor::NothingToRestore{}, "restore");
   JournalContent found = *journal_->found();
   History restored = std::move(found.history);
-  show(checked(parse_document(restored.current(), document_.edit.base_folder)), context);
+  Document whole = checked(parse_document(restored.current(), document_.edit.base_folder));
+  const std::optional<std::size_t> ended = step_that_ended(whole);
+  running_.keep_in(journal_->running_file());
+  if (ended) {
+    Json shortened = whole.json;
+    leave_out_steps(shortened, *ended,
+                    *ended == 0 ? model_of(whole.edit) : outcome_of(whole.edit.steps[*ended - 1]));
+    show(checked(make_document(shortened, document_.edit.base_folder)), context);
+  } else {
+    show(std::move(whole), context);
+  }
   history_ = std::move(restored);
   before_set_up_.reset();
   if (found.saved_edit) learn_saved(std::move(*found.saved_edit));
   write([](Journal& journal) { journal.take_up(); });
+  ended_in_.clear();
+  if (!ended || document_.text == history_.current()) return;
+  write([&](Journal& journal) { journal.add("remove_step", history_.current(), document_.text); });
+  history_.add("remove_step", document_.text);
+  outbox_.tell("notice", {{"error", error_json(Error(facts::editor::EndedInStep{.step = *ended + 1}))}});
 }
 
 // Takes up what the earlier session had saved. Where the edit file is no longer as it was written then, no

@@ -16,6 +16,7 @@
 #include "journal.h"
 #include "live_view.h"
 #include "protocol.h"
+#include "running_steps.h"
 
 namespace meshgraft::editor {
 
@@ -32,6 +33,7 @@ class Workspace {
   /// Opens a document and shows it. Throws what running the steps before the last one throws.
   Workspace(Document document, Source source, const Folders& folders, const Numbers& numbers, Outbox outbox,
             const Context& context);
+  ~Workspace();
 
   /// Writes changes to a journal from now on. No other workspace of the session may have one then.
   void keep_journal();
@@ -46,8 +48,13 @@ class Workspace {
   /// none is running.
   void leave_set_up(const Context& context);
 
+  /// Tells the page the stage of the set-up, until that is final.
+  void poll();
+
   /// Describes the unsaved changes of an earlier session, unless they were already restored or declined.
   std::optional<Json> offer() const;
+  /// Where the engine of that session was ended by a signal while it ran a step, leaves out this step and
+  /// those after it, as a change that can be undone, and tells the page.
   void restore(const Context& context);
   /// Declines to restore the earlier session. Returns the new path of its journal.
   std::filesystem::path decline();
@@ -120,6 +127,8 @@ class Workspace {
   void note_whether_saved();
   void learn_saved(SavedEdit saved);
   bool show(Document next, const Context& context);
+  void end_set_up();
+  std::optional<std::size_t> step_that_ended(const Document& document) const;
   std::optional<std::size_t> set_up_origin() const;
   Json set_up_label() const;
   template <class Step>
@@ -128,6 +137,9 @@ class Workspace {
   Source source_;
   const Folders& folders_;
   Outbox outbox_;
+  RunningSteps running_;
+  std::vector<std::string> ended_in_;         ///< keys of the steps that ran when the earlier session ended
+  std::optional<RunningSteps::Mark> set_up_;  ///< of the current step
   Objects objects_;
   StepInputs stage_;
   LiveView view_;

@@ -92,6 +92,8 @@ def kills_lose_nothing_that_was_acknowledged(folder):
                 try:
                     page.ask({"do": "restore"})
                     offered += 1
+                    if page.ask({"do": "state"})["undo"] == "remove_step":  # killed while it set up the step
+                        page.ask({"do": "undo"})
                 except AssertionError:  # nothing to restore, because all was saved
                     if (folder / "work.json").exists():
                         page.ask({"do": "open", "path": str(folder / "work.json")})
@@ -217,6 +219,75 @@ def signals_end_a_drag(folder):
     return f"{max(seconds):.1f} s at most"
 
 
+def wait_until(holds, what, patience=60):
+    end = time.monotonic() + patience
+    while not holds():
+        assert time.monotonic() < end, what
+        time.sleep(0.001)
+
+
+def a_step_that_ended_the_engine_is_not_run_again(folder):
+    model = folder / "large.ply"
+    running = folder / "large.ply.meshgraft-session.running"
+    make_model(model, 120)
+
+    def opened(engine):
+        page = engine.page()
+        page.ask({"do": "open", "path": str(model)})
+        return page
+
+    def kill_in_step(engine):
+        wait_until(running.exists, "no step runs")
+        engine.kill()
+        assert running.exists(), "the step ended before the kill"
+
+    def restored(page, left_out):
+        page.ask({"do": "restore"})
+        notice = page.event("notice")["error"]
+        assert notice["id"] == "editor.ended_in_step" and notice["fields"] == {"step": left_out}, notice
+        return page.ask({"do": "state"})
+
+    def settle(page):
+        page.event("live", lambda event: event.get("stage") == "ready")
+        wait_until(lambda: not running.exists(), "the mark stays after the end of the step")
+
+    with Engine(program, model) as engine:  # the set-up of the first step
+        paint_top(opened(engine))
+        kill_in_step(engine)
+    with Engine(program, model) as engine:
+        page = opened(engine)
+        state = restored(page, 1)
+        assert not state["handles"] and state["undo"] == "remove_step", state
+        assert not running.exists()
+        page.ask({"do": "undo"})
+        assert len(page.ask({"do": "state"})["handles"]) == 1, "undo brings the step back"
+        settle(page)
+        page.ask(lift(1))
+        page.ask({"do": "accept"})
+        paint_top(page)  # the set-up of the second step
+        kill_in_step(engine)
+    with Engine(program, model) as engine:
+        page = opened(engine)
+        page.send({"do": "restore"})  # runs the first step
+        kill_in_step(engine)
+    with Engine(program, model) as engine:
+        page = opened(engine)
+        state = restored(page, 1)
+        assert len(state["steps"]) == 1 and not state["handles"], state
+        page.ask({"do": "undo"})
+        settle(page)
+        state = page.ask({"do": "state"})
+        assert len(state["steps"]) == 2 and len(state["handles"]) == 1, "undo brings both back"
+        page.close()
+        assert engine.end(signal.SIGTERM) == 0
+    assert not running.exists(), "an end in order leaves no mark"
+    with Engine(program, model) as engine:
+        page = opened(engine)
+        page.ask({"do": "restore"})
+        assert len(page.ask({"do": "state"})["steps"]) == 2, "no step ended the engine"
+    return "left out, and undone"
+
+
 def folders_of_killed_engines_are_removed(folder):
     def start():
         return Engine(program, "--folder", folder, env={"TMPDIR": str(folder)})
@@ -239,7 +310,8 @@ def main():
     failed = 0
     for test in (kills_lose_nothing_that_was_acknowledged, a_full_disk_is_told_and_leaves_the_earlier_file,
                  a_full_disk_for_the_journal_is_told_and_work_goes_on, a_replaced_model_is_noted,
-                 an_endless_upload_is_refused, signals_end_a_drag, folders_of_killed_engines_are_removed):
+                 an_endless_upload_is_refused, signals_end_a_drag, a_step_that_ended_the_engine_is_not_run_again,
+                 folders_of_killed_engines_are_removed):
         start = time.monotonic()
         with tempfile.TemporaryDirectory(prefix="meshgraft-faults-") as folder:
             try:

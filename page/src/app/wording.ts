@@ -184,6 +184,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `“${handle}” has no reach of its own`,
     remedy: "Select what shall follow it, and choose Make region.",
   }),
+  "editor.ended_in_step": ({ step }) => ({
+    problem: `meshgraft ended while it ran step ${step}, so your work was restored up to the step before`,
+    remedy: "Go on from here, or undo once: that brings the left-out steps back and runs them again.",
+  }),
   "editor.journal_not_written": ({ reason }) => ({
     problem: `changes can no longer be written to the disk as they are made: ${reason}`,
   }),
