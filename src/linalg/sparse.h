@@ -24,7 +24,7 @@ Columns multiply(const SparseRows& a, const Columns& x, const Context& context =
 inline void take_over(SparseRows& to, SparseRows from) { to.swap(from); }
 
 /// Returns the rows of `top` followed by those of `bottom`.
-SparseRows stack(const SparseRows& top, const SparseRows& bottom);
+SparseRows stack(const SparseRows& top, const SparseRows& bottom, const Context& context = {});
 
 /// Computes aᵀ in parallel; columns of each row are sorted.
 SparseRows transpose(const SparseRows& a, const Context& context = {});

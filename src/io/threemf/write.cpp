@@ -62,6 +62,15 @@ std::optional<std::vector<Points>> object_positions(const ThreemfDocument& docum
   return positions;
 }
 
+/// Appends a long text, here that of all triangles, with checks between its pieces.
+void append_in_pieces(std::string& out, std::string_view text, const Context& context) {
+  constexpr std::size_t piece = std::size_t{1} << 24;
+  for (; !text.empty(); text.remove_prefix(std::min(piece, text.size()))) {
+    context.throw_if_stopped();
+    out.append(text.substr(0, piece));
+  }
+}
+
 /// Returns the part with new coordinates in its vertex tags.
 std::string rewritten(std::string_view xml, const std::vector<ThreemfVertices>& meshes,
                       const std::vector<const Points*>& positions, const Context& context) {
@@ -82,7 +91,7 @@ std::string rewritten(std::string_view xml, const std::vector<ThreemfVertices>& 
       copied = old.tag_begin[v] + old.tag_length[v];
     }
   }
-  out.append(xml, copied);
+  append_in_pieces(out, xml.substr(copied), context);
   return out;
 }
 
@@ -231,12 +240,14 @@ class ThreemfComposer {
   void restore_digits(std::string& package) const {
     MemoryBudget unlimited(std::numeric_limits<std::uint64_t>::max());  // the package is our own
     std::vector<PackagePart> parts = model_parts(package, {}, unlimited, context_);
+    parts.resize(1);
     PackagePart& part = parts.front();
     const std::vector<ThreemfVertices> written = scan_part(part.content, part.name, unlimited, context_).meshes;
     std::vector<const Points*> positions;
     for (const Points& points : positions_) positions.push_back(&points);
     part.content = rewritten(part.content, written, positions, context_);
-    package = with_parts(package, {part}, context_);
+    context_.throw_if_stopped();
+    package = with_parts(package, parts, context_);
   }
 
   void note_losses(std::vector<Note>& notes) const {

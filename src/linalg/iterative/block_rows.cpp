@@ -72,7 +72,8 @@ bool by_block(Coupling coupling) { return coupling % 2 != 0; }
 
 /// Returns the couplings extended so that j has i wherever i has j.
 IndexLists symmetric(const IndexLists& half, const Context& context) {
-  SparseChecks check(context);
+  constexpr unsigned nodes_per_check = 1U << 13;  // each writes to some twenty places that are far apart
+  SparseChecks check(context, nodes_per_check);
   IndexLists whole;
   whole.offsets.assign(half.offsets.size(), 0);
   for (Index i = 0; i < half.size(); ++i, check())
@@ -121,6 +122,7 @@ IndexLists matrix_couplings(const NormalMatrix& lower, const BlockRows& nodes, c
   for (auto& of_row : unknowns) of_row.assign(nodes.count, -1);
   for (std::size_t u = 0; u < nodes.row.size(); ++u)
     unknowns[nodes.row[u] % nodes.width][nodes.row[u] / nodes.width] = static_cast<int>(u);
+  context.throw_if_stopped();
   const IndexLists half = make_lists(
       nodes.count, [&] { return NodePositions(nodes.count); },
       [&](Index node, std::vector<Index>& out, NodePositions& positions) {
@@ -299,9 +301,12 @@ NodeOrder order_nodes(const NormalMatrix& lower, const OrderingGraph& graph, con
   const IndexLists coupled = matrix_couplings(lower, nodes, context);
   if (graph.neighbours == nullptr) share_hubs(coupled, nodes);
   const Layers layers = long_layers(coupled, context);
+  context.throw_if_stopped();
   result.strips = make_strips(layers);
+  context.throw_if_stopped();
   std::vector<Index> number(layers.order.size());
   for (std::size_t k = 0; k < layers.order.size(); ++k) number[layers.order[k]] = static_cast<Index>(k);
+  context.throw_if_stopped();
   renumber(nodes, number, graph);
   context.throw_if_stopped();
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <Eigen/Eigenvalues>
@@ -318,23 +319,20 @@ OrderingGraph CoarseSpace::ordering_graph(const IndexLists& coarse_neighbours) c
   return graph;
 }
 
-IndexLists CoarseSpace::coarse_neighbours() const {
-  std::vector<std::pair<Index, Index>> pairs;
-  for (Index node = 0; node < order_.nodes.count; ++node) {
-    const auto of_node = blending_.aggregates[node];
-    for (const Index a : of_node)
-      for (const Index b : of_node)
-        if (a != b) pairs.emplace_back(a, b);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+IndexLists CoarseSpace::coarse_neighbours(const Context& context) const {
   IndexLists lists;
-  lists.offsets.assign(count_ + 1, 0);
-  for (const auto& [a, b] : pairs) {
-    ++lists.offsets[a + 1];
-    lists.values.push_back(b);
+  lists.offsets.assign(1, 0);
+  std::vector<Index> reached, reached_from(count_, -1);
+  for (Index a = 0; a < count_; ++a) {
+    context.throw_if_stopped();
+    reached.clear();
+    for (const Index node : members_[a])
+      for (const Index b : blending_.aggregates[node])
+        if (b != a && std::exchange(reached_from[b], a) != a) reached.push_back(b);
+    std::sort(reached.begin(), reached.end());
+    lists.values.insert(lists.values.end(), reached.begin(), reached.end());
+    lists.offsets.push_back(static_cast<Index>(lists.values.size()));
   }
-  std::partial_sum(lists.offsets.begin(), lists.offsets.end(), lists.offsets.begin());
   return lists;
 }
 

@@ -34,7 +34,7 @@ class CoarseSpace {
   /// Returns the ordering graph of the coarse unknowns. `coarse_neighbours` must outlive it.
   OrderingGraph ordering_graph(const IndexLists& coarse_neighbours) const;
   /// Returns for each aggregate those that share a node with it.
-  IndexLists coarse_neighbours() const;
+  IndexLists coarse_neighbours(const Context& context = {}) const;
 
   std::int64_t bytes() const;
 

@@ -68,9 +68,10 @@ class IterativeSolver final : public LinearSolver {
     order_ = order_nodes(lower, graph, context);
     context.step("analyse", 0.6);
     matrix_ = make_block_matrix(order_);
+    context.throw_if_stopped();
     coarse_space_.emplace(order_, context);
     context.throw_if_stopped();
-    coarse_neighbours_ = coarse_space_->coarse_neighbours();
+    coarse_neighbours_ = coarse_space_->coarse_neighbours(context);
     context.throw_if_stopped();
     statistics_ = {};
     statistics_.backend = SolverBackend::iterative;
