@@ -14,6 +14,17 @@ namespace meshgraft {
 
 namespace {
 
+/// Calls `body(first, count)` for blocks of rows, in parallel and with checks between them.
+template <class Body>
+void for_rows(Eigen::Index rows, const Context& context, const Body& body) {
+  parallel_blocks(
+      static_cast<std::size_t>(rows),
+      [&](std::size_t begin, std::size_t end) {
+        body(static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end - begin));
+      },
+      context, 4096);
+}
+
 /// Returns weight · [I | 0] (3 or 4 columns) in rows 3v … 3v+2 for each vertex v.
 Columns scaled_identities(const Columns& weights, std::size_t column) {
   Columns field = Columns::Zero(3 * weights.rows(), 4);
@@ -43,8 +54,11 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   spread_logs(context);
   choose_samples(centres, samples, context);
   spread_samples(options.backend, context);
+  context.throw_if_stopped();
   if (iterations_ > 0) reduce_smoothing(context);
+  context.throw_if_stopped();
   fit_loose_components();
+  context.throw_if_stopped();
   maps_.setZero(4, static_cast<Eigen::Index>(samples_.size() * width()));
   base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
 }
@@ -105,8 +119,11 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   const Patch& patch = system_->patch();
   const auto centre_count = static_cast<Eigen::Index>(centres_.size());
   Flags known = system_->mask().transform;
-  Columns values = Columns::Zero(patch.size(), centre_count + given_.cols());
-  values.rightCols(given_.cols()) = given_;
+  Columns values(patch.size(), centre_count + given_.cols());
+  for_rows(values.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
+    values.block(first, 0, count, centre_count).setZero();
+    values.block(first, centre_count, count, given_.cols()) = given_.middleRows(first, count);
+  });
   for (Eigen::Index k = 0; k < centre_count; ++k) {
     values(centres_[k], k) = 1;
     known[centres_[k]] = 1;
@@ -114,11 +131,19 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   const FieldSurface surface{patch.points, system_->triangles(), system_->rings(), system_->bisection()};
   const SurfaceFields around_centres(surface, known, rotations_->fields().bending(), {.backend = backend},
                                      context);
-  const Columns weights = around_centres.spread(values, context);
-  centre_weights_ = weights.leftCols(centre_count);
-  given_weights_ = weights.rightCols(given_.cols());
-  interpolation_ = cell_means(centre_weights_, 1);
-  cell_influence_ = cell_means(blend_weights_, 1);
+  Columns weights = around_centres.spread(values, context);
+  values = {};  // to free a gigabyte takes long, too
+  context.throw_if_stopped();
+  centre_weights_.resize(weights.rows(), centre_count);
+  given_weights_.resize(weights.rows(), given_.cols());
+  for_rows(weights.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
+    centre_weights_.middleRows(first, count) = weights.block(first, 0, count, centre_count);
+    given_weights_.middleRows(first, count) = weights.block(first, centre_count, count, given_.cols());
+  });
+  weights = {};
+  context.throw_if_stopped();
+  interpolation_ = cell_means(centre_weights_, 1, context);
+  cell_influence_ = cell_means(blend_weights_, 1, context);
   centre_influence_.resize(centre_count, given_.cols());
   for (Eigen::Index k = 0; k < centre_count; ++k) centre_influence_.row(k) = blend_weights_.row(centres_[k]);
 }
@@ -138,6 +163,7 @@ void ReducedField::reduce_smoothing(const Context& context) {
       sources(centre, k) = 1 / fields.areas()[centre];
     }
     const Columns g = fields.smooth(sources, Columns::Zero(sources.rows(), columns), context);
+    context.throw_if_stopped();
     for (Index v = 0; v < system_->patch().size(); ++v)
       if (cell_[v] >= 0)
         smoothing_.col(cell_[v]).segment(first, columns) += fields.areas()[v] * g.row(v).transpose();
@@ -193,8 +219,8 @@ SparseRows ReducedField::cell_mean_rows(int rows_per_vertex) const {
   return rows;
 }
 
-Columns ReducedField::cell_means(const Columns& values, int rows_per_vertex) const {
-  return multiply(cell_mean_rows(rows_per_vertex), values);
+Columns ReducedField::cell_means(const Columns& values, int rows_per_vertex, const Context& context) const {
+  return multiply(cell_mean_rows(rows_per_vertex), values, context);
 }
 
 ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {

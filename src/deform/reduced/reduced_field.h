@@ -42,7 +42,7 @@ class ReducedField {
   const Columns& centre_weights() const { return centre_weights_; }  ///< Returns φ, patch × centres.
   /// Returns means over cells of values with `rows_per_vertex` rows per vertex. `cell_mean_rows` returns the
   /// matrix that computes them.
-  Columns cell_means(const Columns& values, int rows_per_vertex) const;
+  Columns cell_means(const Columns& values, int rows_per_vertex, const Context& context = {}) const;
   SparseRows cell_mean_rows(int rows_per_vertex) const;
   /// Sets the means of the local maps that rows first, first + stride, … cause.
   void set_maps(std::size_t first, std::size_t stride, const Columns& means);

@@ -76,13 +76,14 @@ ReducedFrames::~ReducedFrames() = default;
 /// Solves for the vertices' responses to handles and centres. A few columns are solved at a time, which
 /// bounds the memory of the right-hand sides.
 void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
-  responses = ResponseColumns(system.free_vertices(), field->width());
+  responses = ResponseColumns(system.free_vertices(), field->width(), context);
+  context.throw_if_stopped();
   const SparseRows coupling = system.coupling(context);
   for (std::size_t handle = 0; handle < 2 * handles.size(); ++handle) {  // blended by logarithms, then linearly
     const ReducedField::Columnwise sides = field->handle_sides(handle);
     const Columns y = system.respond(sides.values, sides.field, coupling, context);
     responses.set(4 * handle, 1, free_rows(system, system.displacements(y, sides.values, context)), context);
-    field->set_maps(4 * handle, 1, field->cell_means(system.maps(y, sides.values, context), 3));
+    field->set_maps(4 * handle, 1, field->cell_means(system.maps(y, sides.values, context), 3, context));
   }
   const SparseRows displacements = system.displacement_rows();
   const SparseRows maps = multiply(field->cell_mean_rows(3), system.map_rows(), context);

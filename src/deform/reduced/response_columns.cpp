@@ -7,8 +7,16 @@
 
 namespace meshgraft {
 
-ResponseColumns::ResponseColumns(std::vector<Index> vertices, std::size_t columns)
-    : vertices_(std::move(vertices)), columns_(columns), values_(block_count() * columns * lanes, 0.0F) {}
+ResponseColumns::ResponseColumns(std::vector<Index> vertices, std::size_t columns, const Context& context)
+    : vertices_(std::move(vertices)), columns_(columns) {
+  constexpr std::size_t piece = std::size_t{1} << 24;
+  const std::size_t count = block_count() * columns * lanes;
+  values_.reserve(count);
+  while (values_.size() < count) {
+    context.throw_if_stopped();
+    values_.resize(std::min(count, values_.size() + piece), 0.0F);
+  }
+}
 
 void ResponseColumns::set(std::size_t first, std::size_t stride, const Columns& values,
                           const Context& context) {

@@ -18,7 +18,7 @@ class ResponseColumns {
  public:
   ResponseColumns() = default;
   /// `vertices` are those with rows, ascending.
-  ResponseColumns(std::vector<Index> vertices, std::size_t columns);
+  ResponseColumns(std::vector<Index> vertices, std::size_t columns, const Context& context = {});
 
   /// Fills columns first, first + stride, …, one per column of `values`, which has a row per vertex.
   void set(std::size_t first, std::size_t stride, const Columns& values, const Context& context);

@@ -146,7 +146,11 @@ Columns ConstrainedSystem::respond(const Known& values, const MapField& field, c
   const Columns m = multiply(H(), values.x, context) + values.m;
   Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
   rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field), context), context);
-  return solver_->solve(Eigen::MatrixXd(rhs), context);
+  const Eigen::MatrixXd sides = rhs;
+  context.throw_if_stopped();
+  const Eigen::MatrixXd solution = solver_->solve(sides, context);
+  context.throw_if_stopped();
+  return solution;
 }
 
 SparseRows ConstrainedSystem::coupling(const Context& context) const {
@@ -175,7 +179,11 @@ SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, c
 }
 
 Columns ConstrainedSystem::back_substitute(const Columns& rhs, const Context& context) const {
-  return solver_->solve(Eigen::MatrixXd(rhs), context);
+  const Eigen::MatrixXd sides = rhs;
+  context.throw_if_stopped();
+  const Eigen::MatrixXd solution = solver_->solve(sides, context);
+  context.throw_if_stopped();
+  return solution;
 }
 
 SparseRows ConstrainedSystem::displacement_rows() const {

@@ -208,12 +208,13 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   take_over(G_, multiply(H(), E_, context));
   if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
   take_over(A_L_, difference_of_products({op.L(), E_}, {op.delta(), G_}, context));
+  context.throw_if_stopped();
 
   take_over(stiffness_rows_, stiffness_rows(density, stiffness));
   context.throw_if_stopped();
-  take_over(A_L_, stack(A_L_, multiply(stiffness_rows_, E_, context)));
+  take_over(A_L_, stack(A_L_, multiply(stiffness_rows_, E_, context), context));
   context.throw_if_stopped();
-  take_over(A_L_, stack(A_L_, anchor_rows(density)));
+  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(density), context));
   take_over(A_L_transposed_, transpose(A_L_, context));
   take_over(G_transposed_, transpose(G_, context));
   context.step("assemble", 0.7);

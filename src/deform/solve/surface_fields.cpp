@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/sparse_checks.h"
 #include "linalg/sparse.h"
 #include "operators/laplacian.h"
@@ -24,6 +25,22 @@ SparseRows diagonal(const std::vector<double>& values) {
   return matrix;
 }
 
+// Rows that are copied between two checks: with a hundred columns a few megabytes.
+constexpr std::size_t rows_at_once = 4096;
+
+/// Returns -values, by columns.
+Eigen::MatrixXd negated(const Columns& values, const Context& context) {
+  Eigen::MatrixXd result(values.rows(), values.cols());
+  parallel_blocks(
+      static_cast<std::size_t>(values.rows()),
+      [&](std::size_t begin, std::size_t end) {
+        const auto first = static_cast<Eigen::Index>(begin), count = static_cast<Eigen::Index>(end - begin);
+        result.middleRows(first, count) = -values.middleRows(first, count);
+      },
+      context, rows_at_once);
+  return result;
+}
+
 /// Returns a millionth of the mean area of the vertices with a ring.
 double smallest_area_of(const std::vector<double>& areas, const IndexLists& rings) {
   double total = 0;
@@ -42,12 +59,13 @@ void bound_areas(double smallest, const IndexLists& rings, std::vector<double>& 
 }
 
 /// Returns the given rows of a matrix.
-SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows) {
+SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows, const Context& context) {
   SparseRows selected(static_cast<Eigen::Index>(rows.size()), matrix.cols());
   std::vector<int> lengths;
   for (const Index row : rows) lengths.push_back(matrix.outerIndexPtr()[row + 1] - matrix.outerIndexPtr()[row]);
   selected.reserve(lengths);
-  for (std::size_t k = 0; k < rows.size(); ++k)
+  SparseChecks check(context);
+  for (std::size_t k = 0; k < rows.size(); ++k, check())
     for (SparseRows::InnerIterator it(matrix, rows[k]); it; ++it)
       selected.insertBackUncompressed(static_cast<Eigen::Index>(k), it.col()) = it.value();
   selected.makeCompressed();
@@ -80,9 +98,10 @@ NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unkno
 
 /// Returns rows `free` of M + W B, where M and W are diagonal.
 SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<double>& weights,
-                          const SparseRows& bending, const std::vector<Index>& free) {
-  SparseRows rows = select_rows(bending, free);
-  for (std::size_t k = 0; k < free.size(); ++k)
+                          const SparseRows& bending, const std::vector<Index>& free, const Context& context) {
+  SparseRows rows = select_rows(bending, free, context);
+  SparseChecks check(context);
+  for (std::size_t k = 0; k < free.size(); ++k, check())
     for (SparseRows::InnerIterator it(rows, static_cast<Eigen::Index>(k)); it; ++it) {
       it.valueRef() *= weights[free[k]];
       if (it.col() == free[k]) it.valueRef() += areas[free[k]];
@@ -129,7 +148,7 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
   bound_areas(smallest, rings, areas_);
   const SparseRows& bending = used->matrix;
   if (!spread_to_.empty()) {
-    take_over(spread_rows_, select_rows(bending, spread_to_));
+    take_over(spread_rows_, select_rows(bending, spread_to_, context));
     context.throw_if_stopped();
     spread_solver_ = factorise(spread_rows_, {spread_to_, &rings, bisection, points(spread_to_, Eigen::all)},
                                options.backend, context);
@@ -141,7 +160,7 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
   for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   context.throw_if_stopped();
-  const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_);
+  const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_, context);
   context.throw_if_stopped();
   smooth_solver_ =
       factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, options.backend, context);
@@ -215,20 +234,44 @@ Columns SurfaceFields::spread(const Columns& values, const Context& context) con
   const Eigen::Index columns = values.cols();
   Columns means = Columns::Zero(static_cast<Eigen::Index>(constrained_.size()), columns);
   std::vector<double> areas(constrained_.size(), 0.0);
+  SparseChecks check(context, rows_at_once);
   for (const Index v : given_) {
+    check();
     means.row(component_[v]) += areas_[v] * values.row(v);
     areas[component_[v]] += areas_[v];
   }
   for (std::size_t c = 0; c < constrained_.size(); ++c)
     if (areas[c] > 0) means.row(static_cast<Eigen::Index>(c)) /= areas[c];
-  Columns differences = Columns::Zero(values.rows(), columns);
-  for (const Index v : given_) differences.row(v) = values.row(v) - means.row(component_[v]);
-  for (int pass = 0; pass < 2; ++pass)  // the second pass corrects with the residual of the first
-    add(spread_solver_->solve(-Eigen::MatrixXd(multiply(spread_rows_, differences, context)),
-                              {.tolerance = std::sqrt(solver_tolerance)}, context),
-        spread_to_, differences);
-  Columns fields = values;
-  for (const Index v : spread_to_) fields.row(v) = differences.row(v) + means.row(component_[v]);
+  Columns differences(values.rows(), columns);
+  const auto for_rows = [&](std::size_t rows, const auto& body) {
+    parallel_blocks(
+        rows,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k) body(k);
+        },
+        context, rows_at_once);
+  };
+  for_rows(static_cast<std::size_t>(values.rows()),
+           [&](std::size_t v) { differences.row(static_cast<Eigen::Index>(v)).setZero(); });
+  for_rows(given_.size(), [&](std::size_t k) {
+    const Index v = given_[k];
+    differences.row(v) = values.row(v) - means.row(component_[v]);
+  });
+  for (int pass = 0; pass < 2; ++pass) {  // the second pass corrects with the residual of the first
+    const Eigen::MatrixXd sides = negated(multiply(spread_rows_, differences, context), context);
+    add(spread_solver_->solve(sides, {.tolerance = std::sqrt(solver_tolerance)}, context), spread_to_,
+        differences, context);
+  }
+  context.throw_if_stopped();
+  Columns fields(values.rows(), columns);
+  for_rows(static_cast<std::size_t>(values.rows()), [&](std::size_t v) {
+    const auto row = static_cast<Eigen::Index>(v);
+    fields.row(row) = values.row(row);
+  });
+  for_rows(spread_to_.size(), [&](std::size_t k) {
+    const Index v = spread_to_[k];
+    fields.row(v) = differences.row(v) + means.row(component_[v]);
+  });
   return fields;
 }
 
@@ -239,14 +282,20 @@ Columns SurfaceFields::smooth(const Columns& values, const Columns& guess, const
   for (std::size_t k = 0; k < free_.size(); ++k)
     weighted.row(static_cast<Eigen::Index>(k)) = areas_[free_[k]] * values.row(free_[k]);
   const Eigen::MatrixXd start = guess(free_, Eigen::all);
-  add(smooth_solver_->solve(weighted, {.tolerance = solver_tolerance, .guess = &start}, context), free_,
-      fields);
+  add(smooth_solver_->solve(weighted, {.tolerance = solver_tolerance, .guess = &start}, context), free_, fields,
+      context);
   return fields;
 }
 
-void SurfaceFields::add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields) {
-  for (std::size_t k = 0; k < vertices.size(); ++k)
-    fields.row(vertices[k]) += solution.row(static_cast<Eigen::Index>(k));
+void SurfaceFields::add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields,
+                        const Context& context) {
+  parallel_blocks(
+      vertices.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+          fields.row(vertices[k]) += solution.row(static_cast<Eigen::Index>(k));
+      },
+      context, rows_at_once);
 }
 
 }  // namespace meshgraft

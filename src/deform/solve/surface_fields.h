@@ -69,7 +69,8 @@ class SurfaceFields {
   bool bounds_alike(const IndexLists& rings, double smallest) const;
   void find_components(const IndexLists& rings, std::span<const std::uint8_t> given);
   std::vector<double> free_widths(const Context& context) const;
-  static void add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields);
+  static void add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields,
+                  const Context& context);
 
   std::shared_ptr<const BendingMatrix> bending_;
   std::vector<double> areas_;
