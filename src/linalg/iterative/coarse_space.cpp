@@ -233,6 +233,9 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
     for (const BlockEntry& entry : row) ++entries[entry.column];
   }
 
+  sums = {};
+  context.throw_if_stopped();
+
   NormalMatrix coarse(unknowns(), unknowns());
   std::int64_t* offsets = coarse.outerIndexPtr();
   offsets[0] = 0;
@@ -240,7 +243,8 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
     for (int k = 0; k < 4; ++k) offsets[4 * b + k + 1] = offsets[4 * b + k] + 4 * entries[b] - k;
   coarse.resizeNonZeros(offsets[unknowns()]);
   std::vector<std::int64_t> end(offsets, offsets + unknowns());
-  for (Index a = 0; a < count_; ++a)
+  for (Index a = 0; a < count_; ++a) {
+    context.throw_if_stopped();
     for (const auto& [b, block] : rows[a])
       for (int column = 0; column < 4; ++column)
         for (int row = a == b ? column : 0; row < 4; ++row) {
@@ -251,6 +255,8 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
           const bool idle = a == b && row == column && !(block(row, row) > 0);
           coarse.valuePtr()[at] = idle ? 1.0 : block(row, column);
         }
+    rows[a] = {};
+  }
   return coarse;
 }
 
