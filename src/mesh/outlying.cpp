@@ -1,8 +1,10 @@
 #include "outlying.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/percentile.h"
@@ -36,6 +38,26 @@ bool may_be_crowded(const std::vector<Index>& used, const Points& positions) {
     if (4 * most >= 3 * used.size()) return true;
   }
   return false;
+}
+
+/// Returns a vertex for each component of faces, the same for all vertices of it.
+std::vector<Index> component_roots(const Mesh& mesh) {
+  std::vector<Index> parent(static_cast<std::size_t>(mesh.vertex_count()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    Index first = -1;
+    for (const Index v : mesh.faces[f]) {
+      if (!is_vertex_of(mesh, v)) continue;
+      if (first < 0) first = root(v);
+      parent[root(v)] = first;
+    }
+  }
+  for (Index v = 0; v < mesh.vertex_count(); ++v) parent[v] = root(v);
+  return parent;
 }
 
 }  // namespace
@@ -81,6 +103,17 @@ OutlyingVertices find_outlying(const Mesh& mesh) {
             distance(v) > std::max(limit, far_rel * nearest))
           found.far.push_back(v);
     }
+  }
+  if (!found.far.empty()) {
+    // A component that lies far out as a whole, or is large, is meant so.
+    const std::vector<Index> component = component_roots(mesh);
+    std::vector<std::array<Index, 2>> counts(component.size(), {0, 0});  // all, near
+    for (const Index v : used) {
+      ++counts[component[v]][0];
+      if (distance(v) <= limit) ++counts[component[v]][1];
+    }
+    std::erase_if(found.far,
+                  [&](Index v) { return 4 * counts[component[v]][1] < 3 * counts[component[v]][0]; });
   }
   for (const Index v : huge)
     (found.radius > 0 && distance(v) > limit ? found.far : found.too_large).push_back(v);

@@ -14,8 +14,9 @@ constexpr double largest_coordinate = 1e60;
 /// from the centre. The radius is the least one within which three quarters of the vertices lie. Vertices that
 /// no face uses count only for the lists.
 struct OutlyingVertices {
-  /// Vertices more than 1e6 radii away, each in a face with a vertex 1e6 times nearer; and those beyond
-  /// `largest_coordinate` that are more than 1e6 radii away. Ascending.
+  /// Vertices more than 1e6 radii away, each in a face with a vertex 1e6 times nearer, and in a component of
+  /// which three quarters are no such vertices; and those beyond `largest_coordinate` that are more than 1e6
+  /// radii away. Ascending.
   std::vector<Index> far;
   /// Other vertices beyond `largest_coordinate`, ascending. The whole mesh is too large.
   std::vector<Index> too_large;

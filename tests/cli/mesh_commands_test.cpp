@@ -120,7 +120,7 @@ TEST_F(CommandLine, CutTellsOfPlacesAndSizesAsTheyAre) {
   write("huge.obj", huge);
   const Outcome outcome = run("cut huge.obj --plane x=1e199 -o o.ply");
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_NE(outcome.err.find("--plane: vertex 1: a coordinate is as large as 1.0e+200. Scale the mesh down"),
+  EXPECT_NE(outcome.err.find("huge.obj, vertex 1: a coordinate is as large as 1.0e+200. Scale the mesh down"),
             std::string::npos)
       << outcome.err;
 }

@@ -46,6 +46,20 @@ TEST(Outlying, VerticesAreFoundAtEveryDistance) {
   }
 }
 
+TEST(Outlying, AGroundAroundASmallModelIsSound) {
+  // Four triangles around the origin, a billion times as large as the model.
+  const Mesh model = shapes::torus(24, 12, true);
+  const auto n = static_cast<Index>(model.vertex_count());
+  Points positions(n + 5, 3);
+  positions << model.positions, 0, 0, 0, 1e9, 0, 0, 0, 1e9, 0, -1e9, 0, 0, 0, -1e9, 0;
+  Triangles triangles(4, 3);
+  triangles << n, n + 1, n + 2, n, n + 2, n + 3, n, n + 3, n + 4, n, n + 4, n + 1;
+  Mesh scene = model;
+  scene.positions = positions;
+  for (const auto face : triangles.rowwise()) scene.faces.push_back(std::vector<Index>{face[0], face[1], face[2]});
+  EXPECT_TRUE(find_outlying(scene).empty());
+}
+
 // Neither the unit of length nor the origin matters.
 TEST(Outlying, SizesAndPlacesDoNotMatter) {
   const Mesh torus = shapes::torus(24, 12, true);
