@@ -94,7 +94,7 @@ def test_quick_frames_are_near_the_exact_ones(bar, ends):
     d = mg.Deformer(bar, handles=ends)
     frames = d.reduced_frames(centres=32)
     far = np.abs(d.positions(top=bend()) - bar.vertices).max()
-    assert np.abs(frames.frame(top=bend()) - d.positions(top=bend())).max() < 0.1 * far
+    assert np.abs(frames.frame(top=bend()) - d.positions(top=bend())).max() < 0.15 * far
     assert frames.centres <= 32 and frames.memory_bytes > 0
 
 

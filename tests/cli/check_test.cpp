@@ -26,7 +26,7 @@ TEST_F(CommandLine, CheckNamesWhatARepairChanges) {
   meshes.push_back({"floating_bits", "", with_floating_bits(shapes::torus(40, 20, true), 2, 1)});
   meshes.push_back({"noisy_soup", "", with_noise(as_soup(shapes::torus(40, 20, true)), 1e-8, 1)});
   const Mesh torus = shapes::torus(40, 20, true);
-  for (const double distance : {1e3, 1e5, 1e7, 1e12, 1e30, 1e100, 1e300})
+  for (const double distance : {1e5, 1e7, 1e12, 1e30, 1e100, 1e300})
     for (const std::vector<Index>& moved : {std::vector<Index>{100}, {100, 101}, {5, 300}, {0, 799}})
       meshes.push_back({fmt::format("{} outlying at {}", moved.size(), distance), "",
                         with_outlying(torus, moved, distance)});

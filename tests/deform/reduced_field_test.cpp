@@ -60,6 +60,16 @@ struct ReducedScene {
       field.set_maps(8 * handles() + static_cast<std::size_t>(axis), 3,
                      field.cell_means(system.maps(y, none, {}), 3));
     }
+    for (int m = 0; m < 3 && field.has_limbs(); ++m) {
+      MapField strain{Columns::Zero(3 * patch_size(), centres), {}};
+      for (Index v = 0; v < patch_size(); ++v)
+        strain.smoothness.middleRows<3>(3 * v) =
+            field.limbs().at(v).moment[m] * field.limbs().at(v).direction * field.twist_weights().row(v);
+      strain.stretch = strain.smoothness;
+      const Columns y = system.respond(none, strain, coupling, {});
+      field.set_maps(8 * handles() + static_cast<std::size_t>(3 * centres + m), 3,
+                     field.cell_means(system.maps(y, none, {}), 3));
+    }
   }
 
   std::vector<PoseMatrix> frames(const std::vector<HandlePose>& poses) const {
@@ -82,7 +92,12 @@ struct ReducedScene {
   }
   Matrix3d map_at_centre(const ReducedField::Result& found, std::size_t k) const {
     const auto row = static_cast<Eigen::Index>(8 * handles() + 3 * k);
-    return found.coefficients.middleRows<3>(row).transpose() + Matrix3d::Identity();
+    Matrix3d map = found.coefficients.middleRows<3>(row).transpose() + Matrix3d::Identity();
+    if (!field.has_limbs()) return map;
+    const Index v = vertex_of_centre(k);
+    const auto twist_row = row + static_cast<Eigen::Index>(3 * field.centre_count());
+    const LimbPoint at = field.limbs().at(v);
+    return map + found.coefficients.middleRows<3>(twist_row).transpose() * at.moment * at.direction.transpose();
   }
   /// Returns the vertex of the patch at which a centre's weight is 1 and those of the others are 0.
   Index vertex_of_centre(std::size_t k) const {
@@ -115,14 +130,15 @@ struct ReducedScene {
   }
 };
 
-TEST(ReducedField, HasEightRowsPerHandleAndThreePerCentre) {
+TEST(ReducedField, HasEightRowsPerHandleAndThreeOrSixPerCentre) {
   for (const test::TestMesh& mesh : test::small_families())
     for (const bool foot_moves : {true, false}) {
       SCOPED_TRACE(mesh.name);
       const ReducedScene scene(mesh, foot_moves);
       EXPECT_GE(scene.field.centre_count(), 1U);
       EXPECT_LE(scene.field.centre_count(), static_cast<std::size_t>(few_centres));
-      EXPECT_EQ(scene.field.width(), 8 * scene.handles() + 3 * scene.field.centre_count());
+      const std::size_t per_centre = scene.full.rotations->limbs().empty() ? 3 : 6;
+      EXPECT_EQ(scene.field.width(), 8 * scene.handles() + per_centre * scene.field.centre_count());
       EXPECT_EQ(scene.field.centre_weights().rows(), scene.patch_size());
       EXPECT_EQ(scene.field.centre_weights().cols(), static_cast<Eigen::Index>(scene.field.centre_count()));
       EXPECT_EQ(scene.find(scene.head_moved()).coefficients.rows(),

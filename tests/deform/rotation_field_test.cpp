@@ -130,8 +130,16 @@ TEST(RotationField, BlendsRotationsWithAllTheirTurns) {
       for (const Index v : ends.head)
         if (patch.local(v) >= 0) share(patch.local(v), 0) = 1;
       share = scene.rotations->fields().spread(share);
+      const LimbTwist& limbs = scene.rotations->limbs();
+      const Columns slope =
+          limbs.empty() ? Columns::Zero(patch.size(), 1) : multiply(limbs.derivatives(), share);
       for (Index v = 0; v < patch.size(); ++v) {
-        const Matrix3d expected = rotation_exp(Vector3d(share(v, 0) * angle * axis));
+        const Vector3d turn = share(v, 0) * angle * axis;
+        Matrix3d expected = rotation_exp(turn);
+        if (!limbs.empty())
+          expected *= Matrix3d::Identity() + twist_shear(limbs.at(v), turn, slope(v, 0) * angle * axis,
+                                                         Matrix3d::Identity(), Matrix3d::Identity()) *
+                                                 limbs.at(v).moment * limbs.at(v).direction.transpose();
         EXPECT_LT((map_at(found.problem.field.smoothness, v) - expected).norm(), 1e-8);
       }
     }

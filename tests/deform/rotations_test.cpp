@@ -52,6 +52,15 @@ void expect_rotation(const Matrix3d& map) {
   EXPECT_GT(map.determinant(), 0);
 }
 
+TEST(Rotations, TheRightJacobianIsTheDerivativeOfTheExponentialMap) {
+  std::mt19937 random(6);
+  for (const Vector3d& vector : rotation_vectors()) {
+    const Vector3d change = 1e-6 * any_vector(random);
+    const Matrix3d between = rotation_exp(vector - change).transpose() * rotation_exp(vector + change);
+    EXPECT_LT((rotation_log(between) - 2 * right_jacobian(vector) * change).norm(), 1e-9) << vector.transpose();
+  }
+}
+
 TEST(Rotations, LogarithmInvertsTheExponential) {
   EXPECT_EQ(rotation_exp(Vector3d::Zero()), Matrix3d(Matrix3d::Identity()));
   for (const Vector3d& vector : rotation_vectors()) {

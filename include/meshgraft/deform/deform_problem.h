@@ -183,7 +183,7 @@ struct DeformerOptions {
   double stiffness = 60;
   int iterations = 20;  ///< largest number of co-rotational iterations
   /// Length over which the co-rotational field is smoothed, × the width of the surface between constraints.
-  double smoothing_length_rel = 0.09;
+  double smoothing_length_rel = 0.05;
   // The operator.
   OperatorOptions operators{};
   // The solve.

@@ -85,7 +85,7 @@ export const settingsTable: readonly Setting[] = [
     help: "How strongly edges keep their lengths. 0 bends most evenly.",
   },
   {
-    key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", defaultValue: 0.09, min: 0, max: 10,
+    key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", defaultValue: 0.05, published: 0.09, min: 0, max: 10,
     softMax: 1, applies: isCorotational,
     help: "Keeps a bend from gathering in a crease: a length, × the width of the surface between the handles.",
   },

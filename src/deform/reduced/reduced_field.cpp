@@ -59,6 +59,8 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   context.throw_if_stopped();
   fit_loose_components();
   context.throw_if_stopped();
+  if (!rotations.limbs().empty()) sample_limbs(options.backend, context);
+  context.throw_if_stopped();
   maps_.setZero(4, static_cast<Eigen::Index>(samples_.size() * width()));
   base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
 }
@@ -129,8 +131,8 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
     known[centres_[k]] = 1;
   }
   const FieldSurface surface{patch.points, system_->triangles(), system_->rings(), system_->bisection()};
-  const SurfaceFields around_centres(surface, known, rotations_->fields().bending(), {.backend = backend},
-                                     context);
+  const SurfaceFields around_centres(surface, known, rotations_->fields().bending(),
+                                     {.bending_length_rel = {}, .backend = backend}, context);
   Columns weights = around_centres.spread(values, context);
   values = {};  // to free a gigabyte takes long, too
   context.throw_if_stopped();
@@ -205,6 +207,36 @@ void ReducedField::fit_loose_components() {
   std::transform(samples_.begin(), samples_.end(), std::back_inserter(cell_component_), loose);
 }
 
+/// Samples what the strain of twists needs at centres and cells.
+void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
+  const LimbTwist& limbs = rotations_->limbs();
+  const FieldSurface surface{system_->patch().points, system_->triangles(), system_->rings(),
+                             system_->bisection()};
+  Flags at_centres(system_->mask().transform.size(), 0);
+  Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(centres_.size()));
+  for (std::size_t k = 0; k < centres_.size(); ++k) {
+    values(centres_[k], static_cast<Eigen::Index>(k)) = 1;
+    at_centres[centres_[k]] = 1;
+  }
+  // Another system's bending matrix would be wrong where a shared patch is larger.
+  const auto bending =
+      std::make_shared<const BendingMatrix>(surface.points, surface.triangles, surface.rings, context);
+  const SurfaceFields beyond_centres(surface, at_centres, bending,
+                                     {.bending_length_rel = {}, .backend = backend}, context);
+  twist_weights_ = beyond_centres.spread(values, context);
+  const Columns slopes = multiply(limbs.derivatives(), blend_weights_, context);
+  for (const Index v : samples_) cell_limbs_.push_back(limbs.at(v));
+  centre_limbs_.assign(cell_limbs_.begin(), cell_limbs_.begin() + static_cast<std::ptrdiff_t>(centres_.size()));
+  centre_slopes_ = slopes(centres_, Eigen::all);
+  cell_slopes_ = slopes(samples_, Eigen::all);
+  cell_strains_.assign(samples_.size(), Eigen::Matrix3d::Zero());
+  const std::vector<double>& areas = rotations_->fields().areas();
+  for (std::size_t v = 0; v < cell_.size(); ++v)
+    if (const auto row = static_cast<Eigen::Index>(v); cell_[v] >= 0)
+      cell_strains_[cell_[v]] +=
+          areas[v] / areas_[cell_[v]] * limbs.at(row).moment * limbs.at(row).direction.transpose();
+}
+
 /// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.
 SparseRows ReducedField::cell_mean_rows(int rows_per_vertex) const {
   const std::vector<double>& areas = rotations_->fields().areas();
@@ -258,7 +290,7 @@ void ReducedField::finish() {
   rotations_ = nullptr;
   handles_ = {};
   cell_ = {};
-  given_ = centre_weights_ = given_weights_ = blend_weights_ = {};
+  given_ = centre_weights_ = twist_weights_ = given_weights_ = blend_weights_ = {};
 }
 
 /// Computes the logarithms; returns false if a transform has none. `RotationField::blend` does the same per
@@ -304,6 +336,15 @@ BlendedMap ReducedField::blend(const Logs& logs, Eigen::Index row, const Columns
   return {rotation_exp(log.head<3>().transpose()) * logs.reference, stretch_exp(log.tail<6>().transpose())};
 }
 
+/// Returns W of `twist_shear` at a centre or cell, 0 in a component without a given map.
+Eigen::Matrix3d ReducedField::shear_at(const Logs& logs, Eigen::Index row, const Columns& influence,
+                                       const Columns& slopes, const LimbPoint& at,
+                                       const Eigen::Matrix3d& stretch) const {
+  const auto turns = logs.handles.leftCols<3>();
+  const Eigen::RowVector3d turn = influence.row(row) * turns, slope = slopes.row(row) * turns;
+  return twist_shear(at, turn.transpose(), slope.transpose(), logs.reference, stretch);
+}
+
 ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const PoseMatrix* frames,
                                         const Context& context) const {
   const auto handle_rows = static_cast<Eigen::Index>(4 * handle_count_);
@@ -319,13 +360,25 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
     return result;
   }
   result.coefficients.topRows(handle_rows) = pose_matrices;
-  std::vector<BlendedMap> at_centres, at_cells;
-  for (std::size_t k = 0; k < centres_.size(); ++k)
-    at_centres.push_back(blend(logs, static_cast<Eigen::Index>(k), centre_influence_, centre_component_[k]));
+  std::vector<CentreMap> at_centres;
+  for (std::size_t k = 0; k < centres_.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    CentreMap map{blend(logs, row, centre_influence_, centre_component_[k])};
+    if (has_limbs())
+      map.shear = shear_at(logs, row, centre_influence_, centre_slopes_, centre_limbs_[k], map.blended.stretch);
+    at_centres.push_back(map);
+  }
   set_field(at_centres, Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), result.coefficients);
   if (iterations_ == 0) return result;
-  for (std::size_t s = 0; s < samples_.size(); ++s)
-    at_cells.push_back(blend(logs, static_cast<Eigen::Index>(s), cell_influence_, cell_component_[s]));
+  std::vector<BlendedMap> at_cells;
+  for (std::size_t s = 0; s < samples_.size(); ++s) {
+    const auto row = static_cast<Eigen::Index>(s);
+    BlendedMap map = blend(logs, row, cell_influence_, cell_component_[s]);
+    if (has_limbs())
+      map.stretch +=
+          shear_at(logs, row, cell_influence_, cell_slopes_, cell_limbs_[s], map.stretch) * cell_strains_[s];
+    at_cells.push_back(map);
+  }
   local_steps(at_centres, at_cells, result, context);
   return result;
 }
@@ -347,7 +400,7 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
 }
 
 /// Performs the steps of `RotationField::local_steps` on the samples.
-void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres,
+void ReducedField::local_steps(const std::vector<CentreMap>& at_centres,
                                const std::vector<BlendedMap>& at_cells, Result& result,
                                const Context& context) const {
   Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), previous;
@@ -383,14 +436,18 @@ void ReducedField::local_steps(const std::vector<BlendedMap>& at_centres,
   }
 }
 
-void ReducedField::set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
+void ReducedField::set_field(const std::vector<CentreMap>& at_centres, const Columns& deviation,
                              Columns& coefficients) const {
+  const auto first = static_cast<Eigen::Index>(8 * handle_count_);
+  const auto first_twist = first + static_cast<Eigen::Index>(3 * at_centres.size());
   for (std::size_t k = 0; k < at_centres.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
-    const Eigen::Matrix3d map =
-        rotation_exp(deviation.row(row).transpose()) * at_centres[k].rotation * at_centres[k].stretch;
-    coefficients.middleRows<3>(static_cast<Eigen::Index>(8 * handle_count_) + 3 * row) =
-        (map - Eigen::Matrix3d::Identity()).transpose();
+    const BlendedMap& blended = at_centres[k].blended;
+    const Eigen::Matrix3d rotation = rotation_exp(deviation.row(row).transpose()) * blended.rotation;
+    coefficients.middleRows<3>(first + 3 * row) =
+        (rotation * blended.stretch - Eigen::Matrix3d::Identity()).transpose();
+    if (has_limbs())
+      coefficients.middleRows<3>(first_twist + 3 * row) = (rotation * at_centres[k].shear).transpose();
   }
 }
 

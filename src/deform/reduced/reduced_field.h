@@ -20,7 +20,9 @@ namespace meshgraft {
 /// A solution is linear in `width()` rows of coefficients, three columns each:
 ///   4 per handle    its frame, if the field is blended by logarithms
 ///   4 per handle    its frame, if transforms are blended linearly
-///   3 per centre    (F − I)ᵀ at the centre
+///   3 per centre    (F − I)ᵀ at the centre, without the strain of twists
+///   3 per centre    (R W)ᵀ at the centre, for that strain (`twist_shear`), if the surface has limbs
+///   (`LimbTwist`)
 /// `handle_sides` and `centre_weights` give the right-hand sides of these rows. `set_maps` takes the maps
 /// that they cause.
 class ReducedField {
@@ -28,7 +30,7 @@ class ReducedField {
   ReducedField(const ConstrainedSystem& system, const RotationField& rotations, std::span<const Handle> handles,
                const DeformerOptions& options, Index centres, Index samples, const Context& context);
 
-  std::size_t width() const { return 8 * handle_count_ + 3 * centre_count(); }
+  std::size_t width() const { return 8 * handle_count_ + (has_limbs() ? 6 : 3) * centre_count(); }
   std::size_t centre_count() const { return centres_.size(); }
 
   /// The known values and field that give the right-hand sides of some rows.
@@ -39,7 +41,10 @@ class ReducedField {
   /// Returns the known values and field for a handle's four rows. Numbers from the handle count on select the
   /// linearly blended rows.
   Columnwise handle_sides(std::size_t number) const;
+  bool has_limbs() const { return !centre_limbs_.empty(); }
+  const LimbTwist& limbs() const { return rotations_->limbs(); }     ///< must not be called after `finish`
   const Columns& centre_weights() const { return centre_weights_; }  ///< Returns φ, patch × centres.
+  const Columns& twist_weights() const { return twist_weights_; }    ///< Returns those of ω, patch × centres.
   /// Returns means over cells of values with `rows_per_vertex` rows per vertex. `cell_mean_rows` returns the
   /// matrix that computes them.
   Columns cell_means(const Columns& values, int rows_per_vertex, const Context& context = {}) const;
@@ -65,13 +70,21 @@ class ReducedField {
   void spread_samples(SolverBackend backend, const Context& context);
   void reduce_smoothing(const Context& context);
   void fit_loose_components();
+  void sample_limbs(SolverBackend backend, const Context& context);
   struct Logs;
   bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
   BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
+  Eigen::Matrix3d shear_at(const Logs& logs, Eigen::Index row, const Columns& influence, const Columns& slopes,
+                           const LimbPoint& at, const Eigen::Matrix3d& stretch) const;
   Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
-  void local_steps(const std::vector<BlendedMap>& at_centres, const std::vector<BlendedMap>& at_cells,
+  /// The map that the handles alone give at a centre, without the strain of twists.
+  struct CentreMap {
+    BlendedMap blended;
+    Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();  ///< W of `twist_shear`
+  };
+  void local_steps(const std::vector<CentreMap>& at_centres, const std::vector<BlendedMap>& at_cells,
                    Result& result, const Context& context) const;
-  void set_field(const std::vector<BlendedMap>& at_centres, const Columns& deviation,
+  void set_field(const std::vector<CentreMap>& at_centres, const Columns& deviation,
                  Columns& coefficients) const;
 
   // Used in the set-up only; null and empty afterwards.
@@ -81,7 +94,9 @@ class ReducedField {
   std::vector<Index> cell_;  ///< per vertex of the patch: its cell, or -1 if its map is given
   Columns given_;            ///< patch × handles: 1 where the handle gives the map
   Columns
-      centre_weights_;     ///< φ: patch × centres, 1 at its centre and 0 at the others and where maps are given
+      centre_weights_;  ///< φ: patch × centres, 1 at its centre and 0 at the others and where maps are given
+  /// The same for ω, which does not vanish where maps are given: patch × centres; empty without limbs.
+  Columns twist_weights_;
   Columns given_weights_;  ///< φ: patch × handles, 1 where the handle gives the map and 0 at the centres
   Columns blend_weights_;  ///< χ: patch × handles, the same without centres: the blend of logarithms
 
@@ -95,10 +110,14 @@ class ReducedField {
   std::vector<Index> centre_component_, cell_component_;  ///< components without a given map, else -1
   std::vector<Columns> fits_;                             ///< per such one: (M − I)ᵀ = fit (3 × 4H) · frames
   Columns centre_influence_, cell_influence_;             ///< χ at centres, and its means over cells
-  Columns interpolation_;                                 ///< cells × centres: means of φ
-  Columns smoothing_;          ///< centres × cells: weights of the cells in the smoothed field
-  std::vector<double> areas_;  ///< per cell
-  Points normals_;             ///< per cell: normal if maps are fitted to flat rings, else 0
+  // Empty without limbs.
+  std::vector<LimbPoint> centre_limbs_, cell_limbs_;
+  Columns centre_slopes_, cell_slopes_;        ///< derivatives of χ along t
+  std::vector<Eigen::Matrix3d> cell_strains_;  ///< per cell: mean of s (a × r) tᵀ
+  Columns interpolation_;                      ///< cells × centres: means of φ
+  Columns smoothing_;                          ///< centres × cells: weights of the cells in the smoothed field
+  std::vector<double> areas_;                  ///< per cell
+  Points normals_;                             ///< per cell: normal if maps are fitted to flat rings, else 0
   /// The columns of (M − I)ᵀ that `width()` rows cause, per cell. Each column is padded to four numbers, so
   /// that they are added at once.
   Eigen::Matrix<double, 4, Eigen::Dynamic> maps_;

@@ -27,7 +27,7 @@ Eigen::Vector3d surface_turn(const Eigen::Matrix3d& map, const BlendedMap& blend
                              const Eigen::Vector3d& normal, const Eigen::Vector3d& current) {
   const Eigen::Matrix3d unstretch = blended.stretch.inverse();
   Eigen::Matrix3d turned = map * unstretch;
-  const Eigen::Vector3d stretched = unstretch * normal;  // normal of the stretched surface
+  const Eigen::Vector3d stretched = unstretch.transpose() * normal;  // normal of the stretched surface
   if (!normal.isZero(0)) turned = with_normal(turned, stretched.normalized());
   const Eigen::Matrix3d rotation = nearest_rotation(turned);
   return nearest_turn(rotation_log(rotation * blended.rotation.transpose()), current);

@@ -33,6 +33,10 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
 
 namespace {
 
+FieldSurface field_surface(const ConstrainedSystem& system) {
+  return {system.patch().points, system.triangles(), system.rings(), system.bisection()};
+}
+
 /// Flags the vertices where constraints or a feature's single map give the field.
 Flags known_maps(const ConstraintMask& mask) {
   Flags given = mask.transform;
@@ -57,11 +61,11 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
       has_features_(!system.features().empty()),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
       fields_(
-          {system.patch().points, system.triangles(), system.rings(), system.bisection()},
-          known_maps(system.mask()), bending_matrix(system, other, context),
+          field_surface(system), known_maps(system.mask()), bending_matrix(system, other, context),
           {.smoothing_length_rel = iterations_ > 0 ? std::optional(options.smoothing_length_rel) : std::nullopt,
            .backend = options.backend},
-          context) {
+          context),
+      limbs_(field_surface(system), fields_, known_maps(system.mask()), options.backend, context) {
   if (other != nullptr) {
     normals_ = other->normals_;
     return;
@@ -157,10 +161,17 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 
   blended.rotation.resize(n);
   blended.stretch.resize(n);
+  const Columns slopes =
+      limbs_.empty() ? Columns() : multiply(limbs_.derivatives(), Columns(logs.leftCols<3>()), context);
   for_each_vertex(n, context, [&](Index v) {
     const Logarithm log = logs.row(v);
-    blended.rotation[v] = rotation_exp(log.head<3>().transpose()) * reference;
+    const Eigen::Vector3d turn = log.head<3>().transpose();
+    blended.rotation[v] = rotation_exp(turn) * reference;
     blended.stretch[v] = stretch_exp(log.tail<6>().transpose());
+    if (limbs_.empty()) return;
+    const LimbPoint at = limbs_.at(v);
+    blended.stretch[v] += twist_shear(at, turn, slopes.row(v).transpose(), reference, blended.stretch[v]) *
+                          at.moment * at.direction.transpose();
   });
   return true;
 }

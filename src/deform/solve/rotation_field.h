@@ -7,6 +7,7 @@
 #include <meshgraft/deform/deform_problem.h>
 
 #include "constrained_system.h"
+#include "limb_twist.h"
 #include "linalg/sparse.h"
 #include "surface_fields.h"
 
@@ -29,6 +30,7 @@ class RotationField {
   Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
 
   const SurfaceFields& fields() const { return fields_; }
+  const LimbTwist& limbs() const { return limbs_; }
   const Points& normals() const { return *normals_; }  ///< Returns the normals of the patch at rest.
   int iterations() const { return iterations_; }  ///< Returns the largest number of co-rotational iterations.
 
@@ -36,7 +38,8 @@ class RotationField {
   static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,
                                                              const RotationField* other,
                                                              const Context& context);
-  /// The map that the constraints alone give at each vertex: F = rotation · stretch.
+  /// The map that the constraints alone give at each vertex: F = rotation · stretch. The stretch contains the
+  /// strain of twisted limbs.
   struct Blend {
     std::vector<Eigen::Matrix3d> rotation, stretch;
     std::vector<Eigen::Vector3d> feature_turn;  ///< rotation vector per feature, with all turns
@@ -61,6 +64,7 @@ class RotationField {
   bool has_features_ = false;
   int iterations_ = 0;
   SurfaceFields fields_;
+  LimbTwist limbs_;
   std::shared_ptr<const Points> normals_;  ///< of the patch at rest
 };
 

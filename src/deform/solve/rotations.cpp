@@ -19,6 +19,15 @@ Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& vector) {
   return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
 
+Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& vector) {
+  const double square = vector.squaredNorm(), angle = std::sqrt(square);
+  const Eigen::Matrix3d cross = cross_matrix(vector);
+  // Taylor series near zero, where the quotients lose their digits
+  const double first = angle < 1e-3 ? 0.5 - square / 24 : (1 - std::cos(angle)) / square;
+  const double second = angle < 1e-3 ? 1.0 / 6 - square / 120 : (angle - std::sin(angle)) / (square * angle);
+  return Eigen::Matrix3d::Identity() - first * cross + second * cross * cross;
+}
+
 Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3d& other) {
   constexpr double circle = 2 * std::numbers::pi;
   const double angle = vector.norm();

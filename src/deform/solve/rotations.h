@@ -18,6 +18,9 @@ Eigen::Vector3d rotation_log(const Eigen::Matrix3d& rotation);
 /// Returns the rotation of a rotation vector.
 Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& vector);
 
+/// Returns J with exp(v)ᵀ d exp(v) = [J dv]×: the right Jacobian of the exponential map.
+Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& vector);
+
 /// Returns the rotation vector nearest to `other` among those of the same rotation as `vector`.
 Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3d& other);
 

@@ -8,6 +8,7 @@
 #include "core/sparse_checks.h"
 #include "linalg/sparse.h"
 #include "operators/laplacian.h"
+#include "vertex_solver.h"
 
 namespace meshgraft {
 
@@ -41,6 +42,9 @@ Eigen::MatrixXd negated(const Columns& values, const Context& context) {
   return result;
 }
 
+/// The bending length of smoothed fields, × √(area without given values).
+constexpr double smoothing_bending_length_rel = 0.04;
+
 /// Returns a millionth of the mean area of the vertices with a ring.
 double smallest_area_of(const std::vector<double>& areas, const IndexLists& rings) {
   double total = 0;
@@ -58,65 +62,21 @@ void bound_areas(double smallest, const IndexLists& rings, std::vector<double>& 
     if (!rings[v].empty()) areas[v] = std::max(areas[v], smallest);
 }
 
-/// Returns the given rows of a matrix.
-SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows, const Context& context) {
-  SparseRows selected(static_cast<Eigen::Index>(rows.size()), matrix.cols());
-  std::vector<int> lengths;
-  for (const Index row : rows) lengths.push_back(matrix.outerIndexPtr()[row + 1] - matrix.outerIndexPtr()[row]);
-  selected.reserve(lengths);
-  SparseChecks check(context);
-  for (std::size_t k = 0; k < rows.size(); ++k, check())
-    for (SparseRows::InnerIterator it(matrix, rows[k]); it; ++it)
-      selected.insertBackUncompressed(static_cast<Eigen::Index>(k), it.col()) = it.value();
-  selected.makeCompressed();
-  return selected;
-}
-
-/// Returns the lower triangle of the square part of `rows` that belongs to the vertices `unknown`.
-NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown, const Context& context) {
-  std::vector<Index> column_of(rows.cols(), -1);
-  for (std::size_t k = 0; k < unknown.size(); ++k) column_of[unknown[k]] = static_cast<Index>(k);
-  const auto for_each_entry = [&](const auto& body) {
-    SparseChecks check(context);
-    for (Eigen::Index k = 0; k < rows.rows(); ++k, check())
-      for (SparseRows::InnerIterator it(rows, k); it; ++it)
-        if (const Index column = column_of[it.col()]; column >= 0 && column <= k) body(k, column, it.value());
+/// Returns the width of a strip whose mean sag under a uniform unit load is `sag`, if it is clamped at both
+/// sides and has tension 1 and bending stiffness t² (Euler–Bernoulli beam), or no tension and bending stiffness
+/// 1.
+double strip_width(double sag, std::optional<double> t) {
+  if (!t) return std::pow(720 * sag, 0.25);
+  if (!(sag > 0)) return 0;
+  const auto sag_of = [&](double width) {
+    const double x = width / *t;
+    if (x < 0.1) return width * width * x * x / 720;  // the closed form loses its digits
+    return width * width / 12 - width * *t / 2 / std::tanh(x / 2) + *t * *t;
   };
-  NormalMatrix lower(rows.rows(), rows.rows());
-  std::int64_t* const begin = lower.outerIndexPtr();
-  for_each_entry([&](Eigen::Index, Index column, double) { ++begin[column + 1]; });
-  for (Eigen::Index column = 0; column < lower.cols(); ++column) begin[column + 1] += begin[column];
-  lower.resizeNonZeros(begin[lower.cols()]);
-  std::vector<std::int64_t> next(begin, begin + lower.cols());
-  for_each_entry([&](Eigen::Index row, Index column, double value) {
-    const std::int64_t entry = next[column]++;
-    lower.innerIndexPtr()[entry] = row;
-    lower.valuePtr()[entry] = value;
-  });
-  return lower;
-}
-
-/// Returns rows `free` of M + W B, where M and W are diagonal.
-SparseRows smoothing_rows(const std::vector<double>& areas, const std::vector<double>& weights,
-                          const SparseRows& bending, const std::vector<Index>& free, const Context& context) {
-  SparseRows rows = select_rows(bending, free, context);
-  SparseChecks check(context);
-  for (std::size_t k = 0; k < free.size(); ++k, check())
-    for (SparseRows::InnerIterator it(rows, static_cast<Eigen::Index>(k)); it; ++it) {
-      it.valueRef() *= weights[free[k]];
-      if (it.col() == free[k]) it.valueRef() += areas[free[k]];
-    }
-  return rows;
-}
-
-/// Factorises the square part of `rows` that belongs to the graph's groups. Each unknown is a vertex.
-std::unique_ptr<LinearSolver> factorise(const SparseRows& rows, const OrderingGraph& graph,
-                                        SolverBackend backend, const Context& context) {
-  const NormalMatrix matrix = square_part(rows, graph.group, context);
-  auto solver = make_solver(backend);
-  solver->analyse(matrix, graph, context);
-  solver->factorise(matrix, context);
-  return solver;
+  double low = 0, high = std::sqrt(12 * sag) + 12 * *t;
+  while (sag_of(high) < sag) high *= 2;
+  for (int step = 0; step < 60; ++step) (sag_of((low + high) / 2) < sag ? low : high) = (low + high) / 2;
+  return high;
 }
 
 }  // namespace
@@ -127,8 +87,9 @@ BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, c
   bound_areas(smallest_area, rings, areas);
   std::vector<double> inverse_areas;
   for (const double area : areas) inverse_areas.push_back(area > 0 ? 1 / area : 0);
-  const SparseRows K = dirichlet_matrix(points, triangles, rings, context);
+  SparseRows K = dirichlet_matrix(points, triangles, rings, context);
   take_over(matrix, multiply(multiply(K, diagonal(inverse_areas), context), K, context));
+  take_over(tension, K);
 }
 
 SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::uint8_t> given,
@@ -146,24 +107,29 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
       bounds_alike(rings, smallest) ? bending_
                                     : std::make_shared<const BendingMatrix>(points, triangles, rings, context);
   bound_areas(smallest, rings, areas_);
-  const SparseRows& bending = used->matrix;
+  const std::optional<double> bending_length_rel = options.bending_length_rel;
   if (!spread_to_.empty()) {
-    take_over(spread_rows_, select_rows(bending, spread_to_, context));
+    take_over(spread_rows_, energy_rows(*used, spread_to_, bending_length_rel, context));
     context.throw_if_stopped();
-    spread_solver_ = factorise(spread_rows_, {spread_to_, &rings, bisection, points(spread_to_, Eigen::all)},
-                               options.backend, context);
+    spread_solver_ =
+        factorise_vertices(spread_rows_, {spread_to_, &rings, bisection, points(spread_to_, Eigen::all)},
+                           options.backend, context);
   }
   if (!options.smoothing_length_rel) return;
-  std::vector<double> weights = free_widths(context);
-  for (double& width : weights) width = std::pow(*options.smoothing_length_rel * width, 4);
-  std::vector<double> vertex_weights;
-  for (const Index component : component_) vertex_weights.push_back(component < 0 ? 0 : weights[component]);
+  std::vector<double> weights = free_widths(bending_length_rel, context);
+  for (double& width : weights) width = std::pow(*options.smoothing_length_rel * width, 2);
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   context.throw_if_stopped();
-  const SparseRows smoothing = smoothing_rows(areas_, vertex_weights, bending, free_, context);
+  SparseRows smoothing = energy_rows(*used, free_, smoothing_bending_length_rel, context);
+  SparseChecks check(context);
+  for (std::size_t k = 0; k < free_.size(); ++k, check())
+    for (SparseRows::InnerIterator it(smoothing, static_cast<Eigen::Index>(k)); it; ++it) {
+      it.valueRef() *= weights[component_[free_[k]]];
+      if (it.col() == free_[k]) it.valueRef() += areas_[free_[k]];
+    }
   context.throw_if_stopped();
-  smooth_solver_ =
-      factorise(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)}, options.backend, context);
+  smooth_solver_ = factorise_vertices(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)},
+                                      options.backend, context);
 }
 
 /// Returns whether areas raised to `smallest` are those of the bending matrix.
@@ -206,12 +172,39 @@ void SurfaceFields::find_components(const IndexLists& rings, std::span<const std
   }
 }
 
-/// Returns per component the width of the surface between vertices with given values, from the mean sag under
-/// a uniform load. A plate of width w that is clamped at both sides has mean sag w⁴/720 (Euler–Bernoulli
-/// beam). The width is √(area) if nothing is given.
-std::vector<double> SurfaceFields::free_widths(const Context& context) const {
-  std::vector<double> areas(constrained_.size(), 0.0), sags(constrained_.size(), 0.0), widths;
+/// Returns the area of the vertices without a given value per component.
+std::vector<double> SurfaceFields::free_areas() const {
+  std::vector<double> areas(constrained_.size(), 0.0);
   for (const Index v : free_) areas[component_[v]] += areas_[v];
+  return areas;
+}
+
+/// Returns rows `vertices` of the energy's matrix: K + t² K M⁻¹ K, or K M⁻¹ K.
+SparseRows SurfaceFields::energy_rows(const BendingMatrix& bending, const std::vector<Index>& vertices,
+                                      std::optional<double> bending_length_rel, const Context& context) const {
+  SparseRows rows = select_rows(bending.matrix, vertices, context);
+  if (!bending_length_rel) return rows;
+  std::vector<double> squares = free_areas();
+  for (double& square : squares) square *= *bending_length_rel * *bending_length_rel;
+  SparseChecks check(context);
+  for (std::size_t k = 0; k < vertices.size(); ++k, check()) {
+    SparseRows::InnerIterator tension(bending.tension, vertices[k]);
+    for (SparseRows::InnerIterator it(rows, static_cast<Eigen::Index>(k)); it; ++it) {
+      it.valueRef() *= squares[component_[vertices[k]]];
+      if (!tension || tension.col() != it.col()) continue;
+      it.valueRef() += tension.value();
+      ++tension;
+    }
+  }
+  return rows;
+}
+
+/// Returns per component the width of the surface between vertices with given values, from the mean sag under
+/// a uniform load. The width is √(area) if nothing is given.
+std::vector<double> SurfaceFields::free_widths(std::optional<double> bending_length_rel,
+                                               const Context& context) const {
+  const std::vector<double> areas = free_areas();
+  std::vector<double> sags(constrained_.size(), 0.0), widths;
   if (!spread_to_.empty()) {
     Eigen::MatrixXd load(static_cast<Eigen::Index>(spread_to_.size()), 1);
     for (std::size_t k = 0; k < spread_to_.size(); ++k)
@@ -220,10 +213,13 @@ std::vector<double> SurfaceFields::free_widths(const Context& context) const {
     for (std::size_t k = 0; k < spread_to_.size(); ++k)
       sags[component_[spread_to_[k]]] += areas_[spread_to_[k]] * sag(static_cast<Eigen::Index>(k), 0);
   }
-  for (std::size_t c = 0; c < constrained_.size(); ++c) {
-    const double mean_sag = constrained_[c] && areas[c] > 0 ? sags[c] / areas[c] : areas[c] * areas[c] / 720;
-    widths.push_back(std::pow(720 * std::max(mean_sag, 0.0), 0.25));
-  }
+  for (std::size_t c = 0; c < constrained_.size(); ++c)
+    widths.push_back(constrained_[c] && areas[c] > 0
+                         ? strip_width(std::max(sags[c] / areas[c], 0.0),
+                                       bending_length_rel
+                                           ? std::optional(*bending_length_rel * std::sqrt(areas[c]))
+                                           : std::nullopt)
+                         : std::sqrt(areas[c]));
   return widths;
 }
 

@@ -15,11 +15,12 @@
 
 namespace meshgraft {
 
-/// ∫ |Δf|² over a surface as a matrix K M⁻¹ K. It does not depend on where fields are given.
+/// ∫ |∇f|² and ∫ |Δf|² over a surface as matrices K and K M⁻¹ K. They do not depend on where fields are given.
 struct BendingMatrix {
   std::vector<double> areas;  ///< per vertex; at least `smallest_area` if it has faces
   double smallest_area = 0;
-  SparseRows matrix;
+  SparseRows tension;  ///< K
+  SparseRows matrix;   ///< K M⁻¹ K
 
   BendingMatrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
                 const Context& context);
@@ -34,6 +35,9 @@ struct FieldSurface {
 };
 
 struct SurfaceFieldOptions {
+  /// The bending length t of `spread`, × √(area without given values) of each component. Absent: fields bend
+  /// only, as if t were infinite.
+  std::optional<double> bending_length_rel = 0.02;
   /// The smoothing length ℓ, × the width of the surface between vertices with given values. Absent: `smooth`
   /// must not be called.
   std::optional<double> smoothing_length_rel{};
@@ -51,12 +55,14 @@ class SurfaceFields {
                 std::shared_ptr<const BendingMatrix> bending, const SurfaceFieldOptions& options = {},
                 const Context& context = {});
 
-  /// Returns fields (n×k) that equal `values` where they are given and have least ∫ |Δf|² elsewhere.
-  /// Components without given values keep all of `values`.
+  /// Returns fields (n×k) that equal `values` where they are given and have least ∫ |∇f|² + t² |Δf|² elsewhere
+  /// (∫ |Δf|² if t is infinite). They turn smoothly into the given values over t, and are nearly harmonic
+  /// beyond. Components without given values keep all of `values`.
   Columns spread(const Columns& values, const Context& context = {}) const;
 
-  /// Returns fields (n×k) that are 0 where values are given and minimise ∫ |f − values|² + ℓ⁴ |Δf|²
-  /// elsewhere. An iterative backend starts from `guess` (n×k).
+  /// Returns fields (n×k) that are 0 where values are given and minimise
+  /// ∫ |f − values|² + ℓ² (|∇f|² + s² |Δf|²) elsewhere, with s = 0.04 √(area without given values). An
+  /// iterative backend starts from `guess` (n×k).
   Columns smooth(const Columns& values, const Columns& guess, const Context& context = {}) const;
 
   const std::vector<double>& areas() const { return areas_; }
@@ -68,7 +74,10 @@ class SurfaceFields {
  private:
   bool bounds_alike(const IndexLists& rings, double smallest) const;
   void find_components(const IndexLists& rings, std::span<const std::uint8_t> given);
-  std::vector<double> free_widths(const Context& context) const;
+  std::vector<double> free_areas() const;
+  SparseRows energy_rows(const BendingMatrix& bending, const std::vector<Index>& vertices,
+                         std::optional<double> bending_length_rel, const Context& context) const;
+  std::vector<double> free_widths(std::optional<double> bending_length_rel, const Context& context) const;
   static void add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields,
                   const Context& context);
 

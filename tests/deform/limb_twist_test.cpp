@@ -1,0 +1,205 @@
+#include "deform/solve/limb_twist.h"
+
+#include <algorithm>
+#include <memory>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/deform/deformer.h>
+#include <meshgraft/deform/quality.h>
+#include <meshgraft/deform/quick_frames.h>
+#include <meshgraft/mesh/topology.h>
+
+#include "support/limb_cases.h"
+#include "support/mesh_families.h"
+
+namespace meshgraft {
+namespace {
+
+/// The limbs of a mesh with maps given at some vertices.
+LimbTwist limbs_of(const test::TestMesh& mesh, const Flags& given) {
+  const IndexLists rings = vertex_rings(mesh.size(), mesh.triangles);
+  const auto bisection = std::make_shared<BisectionTree>();
+  const FieldSurface surface{mesh.positions, mesh.triangles, rings, bisection};
+  const SurfaceFields fields(surface, given,
+                             std::make_shared<BendingMatrix>(mesh.positions, mesh.triangles, rings, Context()));
+  return {surface, fields, given, SolverBackend::automatic, {}};
+}
+
+std::vector<test::LimbShape> limb_shapes() {
+  std::vector<test::LimbShape> shapes;
+  for (const double radii : {4.0, 8.0, 20.0})
+    for (const bool square : {false, true}) {
+      shapes.push_back({.square = square, .radii = radii});
+      shapes.push_back({.square = square, .radii = radii, .uneven = true, .closed = true});
+    }
+  return shapes;
+}
+
+Deformer twisted(const test::Limb& limb, DeformMethod method) {
+  Region region{.whole = true, .fixed = limb.bottom};
+  region.handles.push_back({.name = "top", .vertices = limb.top});
+  return {limb.mesh.positions, limb.mesh.triangles, region, {.method = method}};
+}
+
+TEST(LimbTwist, FindsAxisAndCentreLineOfAPipe) {
+  for (const test::LimbShape& shape : limb_shapes()) {
+    const test::Limb limb = test::make_limb(shape);
+    Flags given(static_cast<std::size_t>(limb.mesh.size()), 1);
+    for (const Index v : limb.middle) given[v] = 0;
+    const LimbTwist limbs = limbs_of(limb.mesh, given);
+    ASSERT_FALSE(limbs.empty()) << limb.mesh.name;
+    for (const Index v : limb.middle) {
+      const double up = limbs.at(v).axis[2] > 0 ? 1 : -1;
+      const Eigen::Vector3d offset(limb.mesh.positions(v, 0), limb.mesh.positions(v, 1), 0);
+      EXPECT_GT(up * limbs.at(v).axis[2], 0.99) << limb.mesh.name;
+      EXPECT_GT(up * limbs.at(v).direction[2], 0.9) << limb.mesh.name;
+      const Eigen::Vector3d moment = up * Eigen::Vector3d::UnitZ().cross(offset);
+      EXPECT_LT((limbs.at(v).moment - moment).norm(), 0.03) << limb.mesh.name;
+    }
+    for (const Index v : limb.top) EXPECT_TRUE(limbs.at(v).moment.isZero(0));
+  }
+}
+
+TEST(LimbTwist, FindsNoLimbOnASheet) {
+  const test::TestMesh sheet = test::irregular_grid(30, 30);
+  const Eigen::RowVector3d centre = sheet.positions.colwise().mean();
+  const double size = sheet.box_diagonal();
+  Flags given(static_cast<std::size_t>(sheet.size()), 0);
+  for (Index v = 0; v < sheet.size(); ++v) {
+    const double distance = (sheet.positions.row(v) - centre).norm() / size;
+    given[v] = distance < 0.06 || distance > 0.3 ? 1 : 0;
+  }
+  EXPECT_TRUE(limbs_of(sheet, given).empty());
+}
+
+TEST(LimbTwist, FindsTheAxisBetweenManyHandles) {
+  // Scattered single vertices hold both ends: more groups than there are columns.
+  const test::Limb limb = test::make_limb({.radii = 8});
+  Flags given(static_cast<std::size_t>(limb.mesh.size()), 0);
+  for (std::size_t k = 0; k < limb.bottom.size(); k += 5) given[limb.bottom[k]] = given[limb.top[k]] = 1;
+  const LimbTwist limbs = limbs_of(limb.mesh, given);
+  ASSERT_FALSE(limbs.empty());
+  for (const Index v : limb.middle)
+    if (std::abs(limb.mesh.positions(v, 2) - limb.length / 2) < limb.length / 4) {
+      EXPECT_GT(std::abs(limbs.at(v).axis[2]), 0.9);
+    }
+}
+
+class Twists : public testing::TestWithParam<test::LimbShape> {};
+
+/// The bounds are those of limbs with eight radii; the angle per length counts.
+TEST_P(Twists, KeepTheWidthOfALimb) {
+  const test::Limb limb = test::make_limb(GetParam());
+  const double lengths = GetParam().radii / 8;
+  // The edges and flat sides of a square pipe cost more than the surface of the helix, which has none to spare.
+  const double most = GetParam().square ? GetParam().uneven ? 1.35 : 1.15 : 1.05;
+  for (const DeformMethod method : {DeformMethod::rotation_aware, DeformMethod::corotational}) {
+    const Deformer deformer = twisted(limb, method);
+    for (const auto& [degrees, narrowest] : {std::pair{180.0, 0.95}, std::pair{360.0, 0.9}}) {
+      const HandlePose pose = test::top_turned(degrees * lengths);
+      const Points edited = deformer.evaluate(std::span(&pose, 1));
+      const Points ideal = test::helix(limb, degrees * lengths);
+      const auto quality = [&](const Points& points) {
+        return measure_quality({limb.mesh.positions, points, limb.mesh.triangles, limb.middle});
+      };
+      const Quality ours = quality(edited), helix = quality(ideal);
+      const std::string where = limb.mesh.name + ", " + std::string(to_string(method));
+      EXPECT_GT(test::waist(limb, edited), narrowest) << where;
+      EXPECT_LT(ours.edge_rms * ours.dihedral_p99_deg, most * helix.edge_rms * helix.dihedral_p99_deg) << where;
+      ASSERT_EQ(helix.new_self_intersections, 0) << where;
+      EXPECT_EQ(ours.new_self_intersections, 0) << where;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfLimbs, Twists, testing::ValuesIn(limb_shapes()));
+
+TEST(Twists, OfStretchedLimbsKeepTheirWidth) {
+  const test::Limb limb = test::make_limb({.radii = 8});
+  Region region{.whole = true};
+  region.handles.push_back({.name = "bottom", .vertices = limb.bottom});
+  region.handles.push_back({.name = "top", .vertices = limb.top});
+  for (const Eigen::Vector3d& scale :
+       {Eigen::Vector3d(1, 1, 3), Eigen::Vector3d(1, 1, 0.6), Eigen::Vector3d(2, 2, 2)})
+    for (const DeformMethod method : {DeformMethod::rotation_aware, DeformMethod::corotational}) {
+      const Deformer deformer(limb.mesh.positions, limb.mesh.triangles, region, {.method = method});
+      HandlePose poses[] = {test::top_turned(0), test::top_turned(270)};
+      for (HandlePose& pose : poses) pose.transform.linear() *= scale.asDiagonal();
+      const Points edited = deformer.evaluate(poses);
+      EXPECT_GT(test::waist(limb, edited), 0.95 * scale[0]) << scale.transpose() << ", " << to_string(method);
+      for (const Index v : limb.middle)
+        EXPECT_LT(edited.row(v).head<2>().norm(), 1.05 * scale[0] * 0.5)
+            << scale.transpose() << ", " << to_string(method);
+    }
+}
+
+TEST(Twists, AreSolvedIterativelyAndPastNeedles) {
+  const test::Limb limb = test::make_limb({.radii = 20});
+  Region region{.whole = true, .fixed = limb.bottom};
+  region.handles.push_back({.name = "top", .vertices = limb.top});
+  const HandlePose pose = test::top_turned(180);
+  const Points direct =
+      Deformer(limb.mesh.positions, limb.mesh.triangles, region, {}).evaluate(std::span(&pose, 1));
+  const Points iterative =
+      Deformer(limb.mesh.positions, limb.mesh.triangles, region, {.backend = SolverBackend::iterative})
+          .evaluate(std::span(&pose, 1));
+  EXPECT_LT((iterative - direct).rowwise().norm().maxCoeff(), 1e-3);
+  for (const double squeezed : {1e-4, 1e-5, 3e-6}) {
+    Points rest = limb.mesh.positions;  // rings between 4 and 6 are squeezed together
+    for (auto point : rest.rowwise())
+      point[2] = point[2] < 4   ? point[2]
+                 : point[2] > 6 ? point[2] - 2 + 2 * squeezed
+                                : 4 + squeezed * (point[2] - 4);
+    const Deformer deformer(rest, limb.mesh.triangles, region, {});
+    EXPECT_TRUE(deformer.evaluate(std::span(&pose, 1)).allFinite()) << squeezed;
+  }
+}
+
+TEST(Twists, OfBothEndsAgainstEachOtherKeepTheWidth) {
+  const test::Limb limb = test::make_limb({.radii = 8});
+  Region region{.whole = true};
+  region.handles.push_back({.name = "bottom", .vertices = limb.bottom});
+  region.handles.push_back({.name = "top", .vertices = limb.top});
+  const Deformer deformer(limb.mesh.positions, limb.mesh.triangles, region, {});
+  const HandlePose poses[] = {test::top_turned(-170), test::top_turned(170)};
+  EXPECT_GT(test::waist(limb, deformer.evaluate(poses)), 0.9);
+}
+
+TEST(Twists, MoveContinuouslyThroughTwoTurnsAndBack) {
+  const test::Limb limb = test::make_limb({.radii = 8});
+  const Deformer deformer = twisted(limb, DeformMethod::corotational);
+  const double step = 40;
+  const double arc = step * std::numbers::pi / 180 * 0.5;
+  Points last = limb.mesh.positions;
+  std::vector<Points> frames;
+  for (double degrees = step; degrees <= 720; degrees += step) {
+    const HandlePose pose = test::top_turned(degrees);
+    frames.push_back(deformer.evaluate(std::span(&pose, 1)));
+    EXPECT_LT((frames.back() - last).rowwise().norm().maxCoeff(), 1.1 * arc) << degrees;
+    last = frames.back();
+  }
+  const HandlePose back = test::top_turned(360);
+  EXPECT_EQ(deformer.evaluate(std::span(&back, 1)), frames[8]);
+}
+
+TEST(Twists, AreShownByReducedFrames) {
+  const test::Limb limb = test::make_limb({.radii = 8});
+  for (const DeformMethod method : {DeformMethod::rotation_aware, DeformMethod::corotational}) {
+    const Deformer deformer = twisted(limb, method);
+    const ReducedFrames frames(deformer, {.centres = 128});
+    for (const auto& [degrees, largest] : {std::pair{90.0, 0.02}, {180.0, 0.02}, {360.0, 0.045}}) {
+      const HandlePose pose = test::top_turned(degrees);
+      const Points exact = deformer.evaluate(std::span(&pose, 1)), frame = frames.frame(std::span(&pose, 1));
+      const double moved = (exact - limb.mesh.positions).rowwise().norm().maxCoeff();
+      EXPECT_LT((frame - exact).rowwise().norm().maxCoeff(), largest * moved)
+          << degrees << ", " << to_string(method);
+      EXPECT_GT(test::waist(limb, frame), degrees > 180 ? 0.9 : 0.95) << degrees;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace meshgraft
