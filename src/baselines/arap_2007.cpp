@@ -25,9 +25,7 @@ class Arap {
 
 ArapResult deform_arap_2007(const EditProblem& problem, const BaselineOptions& options,
                             const Context& context) {
-  const NaiveLaplacian laplacian(problem, WeightScheme::cotangent, options.backend, context);
-  Arap arap(problem, options, context);
-  return alternate(arap, laplacian.solve(laplacian.delta(), context), options, context);
+  return deform_by_steps<Arap>(problem, options, context);
 }
 
 }  // namespace meshgraft::baselines

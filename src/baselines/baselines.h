@@ -45,7 +45,7 @@ enum class Propagation {
   harmonic,  ///< as harmonic functions (Zayer, Rössl, Karni, Seidel, Harmonic guidance, Eurographics 2005)
 };
 
-/// What the local step of smooth-arap-2025 fits rotations to.
+/// Selects the terms to which the local step of smooth-arap-2025 fits rotations.
 enum class RotationFit {
   edges,   ///< the edges alone, which converges better (the paper)
   energy,  ///< all terms of the energy, which then never rises

@@ -53,7 +53,7 @@ class SmoothArap {
 
   void fit_rotations(const Columns& x) {
     const Columns ell = laplacian_vectors(x);
-    for_each_cell([&](Index i) {
+    for_each_cell(used_, context_, [&](Index i) {
       Matrix3d S = Matrix3d::Zero();
       for_each_edge(i, [&](Index j, Index k, double weight) {
         S += weight / 3 * (x.row(j) - x.row(k)).transpose() * (problem_.rest().row(j) - problem_.rest().row(k));
@@ -66,7 +66,7 @@ class SmoothArap {
 
   double energy(const Columns& x) {
     const Columns ell = laplacian_vectors(x);
-    for_each_cell([&](Index i) {
+    for_each_cell(used_, context_, [&](Index i) {
       const Matrix3d R = rotations_[i].transpose();
       double rigid = 0;
       for_each_edge(i, [&](Index j, Index k, double weight) {
@@ -112,7 +112,7 @@ class SmoothArap {
 
   Columns right_hand_side() const {
     Columns r = Columns::Zero(problem_.size(), 3), b = r;
-    for_each_cell([&](Index i) {
+    for_each_cell(used_, context_, [&](Index i) {
       r.row(i) = ell_.row(i) * rotations_[i].transpose();
       if (problem_.mask.position[i]) return;
       for (const Index t : problem_.faces_around[i]) {
@@ -126,17 +126,6 @@ class SmoothArap {
       }
     });
     return lambda_ * multiply(L_, r, context_) + (1 - lambda_) * b;
-  }
-
-  template <typename Body>
-  void for_each_cell(const Body& body) const {
-    parallel_blocks(
-        used_.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i)
-            if (used_[i]) body(static_cast<Index>(i));
-        },
-        context_);
   }
 
   template <typename Body>
@@ -170,9 +159,7 @@ class SmoothArap {
 
 ArapResult deform_smooth_arap_2025(const EditProblem& problem, const BaselineOptions& options,
                                    const Context& context) {
-  const NaiveLaplacian laplacian(problem, WeightScheme::cotangent, options.backend, context);
-  SmoothArap arap(problem, options, context);
-  return alternate(arap, laplacian.solve(laplacian.delta(), context), options, context);
+  return deform_by_steps<SmoothArap>(problem, options, context);
 }
 
 }  // namespace meshgraft::baselines

@@ -39,17 +39,6 @@ SpokeCells::SpokeCells(const EditProblem& problem, Flags used, const Context& co
       cell_energies_(problem.size(), 0.0),
       used_(std::move(used)) {}
 
-template <typename Body>
-void SpokeCells::for_each_cell(const Body& body) const {
-  parallel_blocks(
-      used_.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          if (used_[i]) body(static_cast<Index>(i));
-      },
-      context_);
-}
-
 Matrix3d SpokeCells::covariance(Index i, const Columns& x) const {
   Matrix3d S = Matrix3d::Zero();
   for_each_spoke(C_, i, [&](Index j, double weight) {
@@ -59,12 +48,12 @@ Matrix3d SpokeCells::covariance(Index i, const Columns& x) const {
 }
 
 void SpokeCells::fit_rotations(const Columns& x) {
-  for_each_cell([&](Index i) { rotations_[i] = nearest_rotation(covariance(i, x)); });
+  for_each_cell(used_, context_, [&](Index i) { rotations_[i] = nearest_rotation(covariance(i, x)); });
 }
 
 Columns SpokeCells::right_hand_side() const {
   Columns b = Columns::Zero(problem_.size(), 3);
-  for_each_cell([&](Index i) {
+  for_each_cell(used_, context_, [&](Index i) {
     if (problem_.mask.position[i]) return;
     for_each_spoke(C_, i, [&](Index j, double weight) {
       b.row(i) += weight / 2 * (problem_.rest().row(i) - problem_.rest().row(j)) *
@@ -75,7 +64,7 @@ Columns SpokeCells::right_hand_side() const {
 }
 
 double SpokeCells::energy(const Columns& x) {
-  for_each_cell([&](Index i) {
+  for_each_cell(used_, context_, [&](Index i) {
     cell_energies_[i] = 0;
     for_each_spoke(C_, i, [&](Index j, double weight) {
       const RowVector3d rest = problem_.rest().row(i) - problem_.rest().row(j);

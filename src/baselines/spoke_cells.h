@@ -17,7 +17,7 @@ namespace meshgraft::baselines {
 /// edges from vertex i to its ring ("spokes") with their cotangent weights, and has a rotation R_i.
 class SpokeCells {
  public:
-  /// Of all cells only those that are flagged in `used` have a rotation other than I, and count.
+  /// Only the cells that are flagged in `used` count, and have a rotation other than I.
   SpokeCells(const EditProblem& problem, Flags used, const Context& context);
 
   const EditProblem& problem() const { return problem_; }
@@ -41,9 +41,6 @@ class SpokeCells {
   double energy(const Columns& x);
 
  private:
-  template <typename Body>
-  void for_each_cell(const Body& body) const;
-
   const EditProblem& problem_;
   const Context& context_;
   SparseRows C_;
@@ -54,6 +51,18 @@ class SpokeCells {
 
 /// Returns a flag per vertex: whether it is free or has a free neighbour.
 Flags near_free(const EditProblem& problem);
+
+/// Calls `body(i)` for each flagged cell, in parallel.
+template <class Body>
+void for_each_cell(const Flags& used, const Context& context, const Body& body) {
+  parallel_blocks(
+      used.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          if (used[i]) body(static_cast<Index>(i));
+      },
+      context);
+}
 
 /// Alternates the two steps of a method from the positions `start`. `steps` has the operations
 /// `solve(x, …)` (the global step), `fit_rotations(x)` (the local step) and `energy(x)`.
@@ -73,6 +82,14 @@ ArapResult alternate(Steps& steps, Columns start, const BaselineOptions& options
   }
   result.positions = x;
   return result;
+}
+
+/// Deforms by `Steps`, from the solution of the naive Laplacian.
+template <class Steps>
+ArapResult deform_by_steps(const EditProblem& problem, const BaselineOptions& options, const Context& context) {
+  const NaiveLaplacian laplacian(problem, WeightScheme::cotangent, options.backend, context);
+  Steps steps(problem, options, context);
+  return alternate(steps, laplacian.solve(laplacian.delta(), context), options, context);
 }
 
 }  // namespace meshgraft::baselines

@@ -93,7 +93,7 @@ class SrArap {
   }
 
  private:
-  /// Where bending weighs much, one round per iteration brings rotations from the handles too slowly.
+  /// One round per iteration would bring rotations from the handles too slowly where bending weighs much.
   static constexpr int rounds = 10;
 
   void fit_rotation(Index k) {
@@ -123,9 +123,7 @@ class SrArap {
 
 ArapResult deform_sr_arap_2015(const EditProblem& problem, const BaselineOptions& options,
                                const Context& context) {
-  const NaiveLaplacian laplacian(problem, WeightScheme::cotangent, options.backend, context);
-  SrArap arap(problem, options, context);
-  return alternate(arap, laplacian.solve(laplacian.delta(), context), options, context);
+  return deform_by_steps<SrArap>(problem, options, context);
 }
 
 }  // namespace meshgraft::baselines

@@ -53,8 +53,8 @@ class Workspace {
 
   /// Describes the unsaved changes of an earlier session, unless they were already restored or declined.
   std::optional<Json> offer() const;
-  /// Where the engine of that session was ended by a signal while it ran a step, leaves out this step and
-  /// those after it, as a change that can be undone, and tells the page.
+  /// Restores the earlier session. If its engine was ended by a signal while it ran a step, leaves out this
+  /// step and those after it, as a change that can be undone, and tells the page.
   void restore(const Context& context);
   /// Declines to restore the earlier session. Returns the new path of its journal.
   std::filesystem::path decline();

@@ -130,7 +130,7 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
     values(centres_[k], k) = 1;
     known[centres_[k]] = 1;
   }
-  const FieldSurface surface{patch.points, system_->triangles(), system_->rings(), system_->bisection()};
+  const FieldSurface surface = field_surface(*system_);
   const SurfaceFields around_centres(surface, known, rotations_->fields().bending(),
                                      {.bending_length_rel = {}, .backend = backend}, context);
   Columns weights = around_centres.spread(values, context);
@@ -210,8 +210,7 @@ void ReducedField::fit_loose_components() {
 /// Samples what the strain of twists needs at centres and cells.
 void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   const LimbTwist& limbs = rotations_->limbs();
-  const FieldSurface surface{system_->patch().points, system_->triangles(), system_->rings(),
-                             system_->bisection()};
+  const FieldSurface surface = field_surface(*system_);
   Flags at_centres(system_->mask().transform.size(), 0);
   Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(centres_.size()));
   for (std::size_t k = 0; k < centres_.size(); ++k) {

@@ -33,10 +33,6 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
 
 namespace {
 
-FieldSurface field_surface(const ConstrainedSystem& system) {
-  return {system.patch().points, system.triangles(), system.rings(), system.bisection()};
-}
-
 /// Flags the vertices where constraints or a feature's single map give the field.
 Flags known_maps(const ConstraintMask& mask) {
   Flags given = mask.transform;
@@ -45,6 +41,10 @@ Flags known_maps(const ConstraintMask& mask) {
 }
 
 }  // namespace
+
+FieldSurface field_surface(const ConstrainedSystem& system) {
+  return {system.patch().points, system.triangles(), system.rings(), system.bisection()};
+}
 
 /// Returns the bending matrix of the whole patch, so that systems on other parts of the patch can share it.
 std::shared_ptr<const BendingMatrix> RotationField::bending_matrix(const ConstrainedSystem& system,

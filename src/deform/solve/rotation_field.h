@@ -13,6 +13,9 @@
 
 namespace meshgraft {
 
+/// Returns the surface of a system, on which its fields are sought.
+FieldSurface field_surface(const ConstrainedSystem& system);
+
 /// Finds the field of maps F = R U (rotation, stretch) that replaces the identity on the right-hand side of a
 /// `ConstrainedSystem`. Large rotations then do not shrink the surface. The matrix stays the same.
 class RotationField {
