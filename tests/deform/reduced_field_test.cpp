@@ -64,7 +64,7 @@ struct ReducedScene {
       MapField strain{Columns::Zero(3 * patch_size(), centres), {}};
       for (Index v = 0; v < patch_size(); ++v)
         strain.smoothness.middleRows<3>(3 * v) =
-            field.limbs().at(v).moment[m] * field.limbs().at(v).direction * field.twist_weights().row(v);
+            field.limbs().at(v).moment[m] * field.limbs().at(v).axis * field.twist_weights().row(v);
       strain.stretch = strain.smoothness;
       const Columns y = system.respond(none, strain, coupling, {});
       field.set_maps(8 * handles() + static_cast<std::size_t>(3 * centres + m), 3,
@@ -97,7 +97,7 @@ struct ReducedScene {
     const Index v = vertex_of_centre(k);
     const auto twist_row = row + static_cast<Eigen::Index>(3 * field.centre_count());
     const LimbPoint at = field.limbs().at(v);
-    return map + found.coefficients.middleRows<3>(twist_row).transpose() * at.moment * at.direction.transpose();
+    return map + found.coefficients.middleRows<3>(twist_row).transpose() * at.moment * at.axis.transpose();
   }
   /// Returns the vertex of the patch at which a centre's weight is 1 and those of the others are 0.
   Index vertex_of_centre(std::size_t k) const {

@@ -131,15 +131,14 @@ TEST(RotationField, BlendsRotationsWithAllTheirTurns) {
         if (patch.local(v) >= 0) share(patch.local(v), 0) = 1;
       share = scene.rotations->fields().spread(share);
       const LimbTwist& limbs = scene.rotations->limbs();
-      const Columns slope =
-          limbs.empty() ? Columns::Zero(patch.size(), 1) : multiply(limbs.derivatives(), share);
+      const Columns slope = limbs.empty() ? Columns::Zero(patch.size(), 1) : limbs.slopes(share, {});
       for (Index v = 0; v < patch.size(); ++v) {
         const Vector3d turn = share(v, 0) * angle * axis;
         Matrix3d expected = rotation_exp(turn);
         if (!limbs.empty())
           expected *= Matrix3d::Identity() + twist_shear(limbs.at(v), turn, slope(v, 0) * angle * axis,
                                                          Matrix3d::Identity(), Matrix3d::Identity()) *
-                                                 limbs.at(v).moment * limbs.at(v).direction.transpose();
+                                                 limbs.at(v).moment * limbs.at(v).axis.transpose();
         EXPECT_LT((map_at(found.problem.field.smoothness, v) - expected).norm(), 1e-8);
       }
     }

@@ -223,7 +223,7 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   const SurfaceFields beyond_centres(surface, at_centres, bending,
                                      {.bending_length_rel = {}, .backend = backend}, context);
   twist_weights_ = beyond_centres.spread(values, context);
-  const Columns slopes = multiply(limbs.derivatives(), blend_weights_, context);
+  const Columns slopes = limbs.slopes(blend_weights_, context);
   for (const Index v : samples_) cell_limbs_.push_back(limbs.at(v));
   centre_limbs_.assign(cell_limbs_.begin(), cell_limbs_.begin() + static_cast<std::ptrdiff_t>(centres_.size()));
   centre_slopes_ = slopes(centres_, Eigen::all);
@@ -233,7 +233,7 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   for (std::size_t v = 0; v < cell_.size(); ++v)
     if (const auto row = static_cast<Eigen::Index>(v); cell_[v] >= 0)
       cell_strains_[cell_[v]] +=
-          areas[v] / areas_[cell_[v]] * limbs.at(row).moment * limbs.at(row).direction.transpose();
+          areas[v] / areas_[cell_[v]] * limbs.at(row).moment * limbs.at(row).axis.transpose();
 }
 
 /// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.

@@ -113,7 +113,7 @@ void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const
       SparseRows part = sides;
       for (Eigen::Index k = 0; k < part.nonZeros(); ++k) {
         const int v = part.innerIndexPtr()[k];
-        part.valuePtr()[k] *= limbs.at(v).moment[m] * limbs.at(v).direction[axis];
+        part.valuePtr()[k] *= limbs.at(v).moment[m] * limbs.at(v).axis[axis];
       }
       take_over(twist_sides[m], axis == 0 ? std::move(part) : SparseRows(twist_sides[m] + part));
     }

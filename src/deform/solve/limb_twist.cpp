@@ -194,7 +194,7 @@ LimbTwist::LimbTwist(const FieldSurface& surface, const SurfaceFields& fields,
     return;
   }
   context.throw_if_stopped();
-  find_derivatives(surface, faces, context);
+  find_derivatives(surface, given, faces, context);
 }
 
 /// Finds the centre line and the axis at each vertex as means along level lines of the weights. The mean of a
@@ -204,18 +204,17 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
                           const Context& context) {
   const std::vector<double>& areas = fields.areas();
   const std::vector<Index>& component = fields.component();
-  std::vector<Index> vertices;
   std::vector<double> free_areas(fields.constrained_components().size(), 0.0);
   for (Index v = 0; v < surface.rings.size(); ++v) {
     if (surface.rings[v].empty()) continue;
-    vertices.push_back(v);
+    vertices_.push_back(v);
     free_areas[component[v]] += given[v] ? 0 : areas[v];
   }
   SparseRows matrix = ring_matrix(surface.rings);
   Columns tensors = Columns::Zero(surface.points.rows(), 6);
   directions_ = Points::Zero(surface.points.rows(), 3);
-  for_each(static_cast<Eigen::Index>(vertices.size()), context, [&](std::size_t k) {
-    const Index v = vertices[k];
+  for_each(static_cast<Eigen::Index>(vertices_.size()), context, [&](std::size_t k) {
+    const Index v = vertices_[k];
     entry(matrix, v, v) += areas[v];
     for (const Index t : faces.at[v]) {
       // Slopes across t, as much as t is certain.
@@ -230,59 +229,86 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   });
   // The system is far too uneven for conjugate gradients.
   if (backend == SolverBackend::iterative) backend = SolverBackend::automatic;
-  std::unique_ptr<LinearSolver> solver;
   try {
-    solver = factorise_vertices(
-        select_rows(matrix, vertices, context),
-        {vertices, &surface.rings, surface.bisection, surface.points(vertices, Eigen::all)}, backend, context);
+    means_ = factorise_vertices(
+        select_rows(matrix, vertices_, context),
+        {vertices_, &surface.rings, surface.bisection, surface.points(vertices_, Eigen::all)}, backend,
+        context);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::unsolvable) throw;
     moments_ = Points::Zero(surface.points.rows(), 3);  // needles beyond what numbers hold: no strain
     return;
   }
-  Eigen::MatrixXd loads(static_cast<Eigen::Index>(vertices.size()), 9);
+  Eigen::MatrixXd loads(static_cast<Eigen::Index>(vertices_.size()), 9);
   for_each(loads.rows(), context, [&](std::size_t k) {
-    const Index v = vertices[k];
+    const Index v = vertices_[k];
     loads.row(static_cast<Eigen::Index>(k)) << areas[v] * surface.points.row(v), areas[v] * tensors.row(v);
   });
-  const Eigen::MatrixXd means = solver->solve(loads, context);
+  const Eigen::MatrixXd means = means_->solve(loads, context);
 
   axes_ = moments_ = Points::Zero(surface.points.rows(), 3);
   for_each(means.rows(), context, [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
-    const Index v = vertices[k];
+    const Index v = vertices_[k];
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_matrix(means.row(row).tail<6>()));
     const double first = eigen.eigenvalues()[2], second = std::max(0.0, eigen.eigenvalues()[1]);
     const double share = first > 1e-3 ? share_of_limb((first - second) / (first + second)) : 0;
     if (given[v] || share == 0) return;
-    Eigen::RowVector3d axis = eigen.eigenvectors().col(2).transpose();
-    if (axis.dot(directions_.row(v)) < 0) axis = -axis;
+    const Eigen::RowVector3d axis = eigen.eigenvectors().col(2).transpose();
     const Eigen::RowVector3d offset = surface.points.row(v) - means.row(row).head<3>();
     axes_.row(v) = axis;
     moments_.row(v) = share * axis.cross(offset);
   });
 }
 
-/// Finds the means of the triangles' derivatives along t.
-void LimbTwist::find_derivatives(const FieldSurface& surface, const Faces& faces, const Context& context) {
+/// Finds the triangles' derivatives along t, summed by area at the vertices without a given map.
+void LimbTwist::find_derivatives(const FieldSurface& surface, std::span<const std::uint8_t> given,
+                                 const Faces& faces, const Context& context) {
   take_over(derivatives_, ring_matrix(surface.rings));
+  Columns tensors = Columns::Zero(surface.points.rows(), 6);
   for_each(surface.points.rows(), context, [&](std::size_t row) {
     const auto v = static_cast<Index>(row);
-    double area = 0;
-    for (const Index t : faces.at[v]) area += faces.areas[t];
+    if (given[v]) return;
+    const Eigen::Vector3d direction = directions_.row(v).transpose();
     for (const Index t : faces.at[v]) {
-      if (!(area > 0)) continue;
-      const Eigen::Vector3d slopes = faces.areas[t] / area * faces.hats[t] * directions_.row(v).transpose();
+      tensors.row(v) += faces.areas[t] * to_tensor(direction * direction.transpose());
+      const Eigen::Vector3d slopes = faces.areas[t] * faces.hats[t] * direction;
       for (int j = 0; j < 3; ++j) entry(derivatives_, v, faces.triangles(t, j)) += slopes[j];
     }
   });
+  const Eigen::MatrixXd means = means_->solve(tensors(vertices_, Eigen::all), context);
+  along_axis_ = Eigen::VectorXd::Zero(surface.points.rows());
+  for (std::size_t k = 0; k < vertices_.size(); ++k) {
+    const Eigen::Vector3d axis = axes_.row(vertices_[k]).transpose();
+    along_axis_[vertices_[k]] = axis.dot(to_matrix(means.row(static_cast<Eigen::Index>(k))) * axis);
+  }
+}
+
+Columns LimbTwist::slopes(const Columns& fields, const Context& context) const {
+  const auto count = static_cast<Eigen::Index>(vertices_.size());
+  const Columns derivatives = multiply(derivatives_, fields, context);
+  Eigen::MatrixXd gradients(count, 3 * fields.cols());  // averaged, because the sign of t is arbitrary
+  for_each(count, context, [&](std::size_t k) {
+    const Index v = vertices_[k];
+    for (Eigen::Index f = 0; f < fields.cols(); ++f)
+      gradients.block<1, 3>(static_cast<Eigen::Index>(k), 3 * f) = derivatives(v, f) * directions_.row(v);
+  });
+  const Eigen::MatrixXd means = means_->solve(gradients, context);
+  Columns slopes = Columns::Zero(fields.rows(), fields.cols());
+  for_each(count, context, [&](std::size_t k) {
+    const Index v = vertices_[k];
+    if (!(along_axis_[v] > 0)) return;
+    for (Eigen::Index f = 0; f < fields.cols(); ++f)
+      slopes(v, f) = means.block<1, 3>(static_cast<Eigen::Index>(k), 3 * f).dot(axes_.row(v)) / along_axis_[v];
+  });
+  return slopes;
 }
 
 Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
                             const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
   const Eigen::Vector3d axis = (stretch * at.axis).stableNormalized();
   const Eigen::Vector3d turning = reference.transpose() * (right_jacobian(turn) * slope);
-  const double all = turning.squaredNorm(), length = (stretch * at.direction).norm();
+  const double all = turning.squaredNorm(), length = (stretch * at.axis).norm();
   if (!(all > 0) || !(length > 0)) return Eigen::Matrix3d::Zero();
   // m × a is s r without its part along the axis.
   const Eigen::Matrix3d shear = -cross_matrix(axis) * stretch * cross_matrix(at.axis);

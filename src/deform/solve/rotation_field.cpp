@@ -161,8 +161,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 
   blended.rotation.resize(n);
   blended.stretch.resize(n);
-  const Columns slopes =
-      limbs_.empty() ? Columns() : multiply(limbs_.derivatives(), Columns(logs.leftCols<3>()), context);
+  const Columns slopes = limbs_.empty() ? Columns() : limbs_.slopes(logs.leftCols<3>(), context);
   for_each_vertex(n, context, [&](Index v) {
     const Logarithm log = logs.row(v);
     const Eigen::Vector3d turn = log.head<3>().transpose();
@@ -171,7 +170,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     if (limbs_.empty()) return;
     const LimbPoint at = limbs_.at(v);
     blended.stretch[v] += twist_shear(at, turn, slopes.row(v).transpose(), reference, blended.stretch[v]) *
-                          at.moment * at.direction.transpose();
+                          at.moment * at.axis.transpose();
   });
   return true;
 }
