@@ -66,9 +66,13 @@ void print_quality(const EditReport& report, const Points& rest) {
       quality.new_self_intersections
           ? fmt::format(", {} new self-intersections", *quality.new_self_intersections)
           : std::string();
-  fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°, {} flipped faces{}\n",
-             100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg,
-             quality.flipped_faces, intersections);
+  const std::string width = quality.narrowest_vertex < 0
+                                ? std::string()
+                                : fmt::format(", narrowest {:.0f} % of its width", 100 * quality.width_min);
+  fmt::print(
+      "  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°{}, {} flipped faces{}\n",
+      100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg, width,
+      quality.flipped_faces, intersections);
   fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
              size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,
              report.seconds.analyse + report.seconds.factorise, report.seconds.solve);

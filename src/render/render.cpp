@@ -14,8 +14,8 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "core/parallel.h"
+#include "mesh/ray_tracer.h"
 #include "render/facts.h"
-#include "render/ray_tracer.h"
 
 namespace meshgraft::render {
 
@@ -218,11 +218,11 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
 }
 
 // Returns the triangles of all surfaces, one surface after another, in the view's coordinates.
-std::vector<Triangle> all_triangles(std::span<const Surface> surfaces, const View& view) {
-  std::vector<Triangle> out;
+std::vector<RayTriangle> all_triangles(std::span<const Surface> surfaces, const View& view) {
+  std::vector<RayTriangle> out;
   for (const Surface& surface : surfaces)
     for (const auto corners : surface.triangles.rowwise()) {
-      Triangle& triangle = out.emplace_back();
+      RayTriangle& triangle = out.emplace_back();
       for (int c = 0; c < 3; ++c)
         triangle[static_cast<std::size_t>(c)] =
             ((surface.positions.row(corners[c]).transpose() - view.centre) / view.scale).cast<float>();
@@ -431,7 +431,7 @@ class Painter {
   std::span<const Surface> surfaces_;
   const View& view_;
   const RenderOptions& options_;
-  std::vector<Triangle> triangles_;
+  std::vector<RayTriangle> triangles_;
   std::vector<std::uint32_t> first_triangles_;  // by surface
   RayTracer tracer_;
   int grid_ = 1;

@@ -11,8 +11,8 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "mesh/ray_tracer.h"
 #include "mesh/up_axis.h"
-#include "ray_tracer.h"
 
 namespace meshgraft::render {
 
@@ -142,10 +142,10 @@ Eigen::Vector3d direction_to_change(const Mesh& before, const Mesh& after, const
   const Eigen::AlignedBox3d box = box_of({&shown, 1});
   const Eigen::Affine3d to_unit =
       Eigen::Scaling(2 / box.diagonal().stableNorm()) * Eigen::Translation3d(-box.center());
-  std::vector<Triangle> triangles;
+  std::vector<RayTriangle> triangles;
   const Triangles corners_of = triangulate(after).triangles;
   for (const auto corners : corners_of.rowwise()) {
-    Triangle& triangle = triangles.emplace_back();
+    RayTriangle& triangle = triangles.emplace_back();
     for (int c = 0; c < 3; ++c)
       triangle[static_cast<std::size_t>(c)] =
           (to_unit * after.positions.row(corners[c]).transpose()).cast<float>();

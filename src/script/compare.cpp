@@ -84,10 +84,10 @@ Json notes_json(const EditReport& report, const Wording& wording) {
   return list;
 }
 
-constexpr std::array columns = {
-    "method", "edges RMS", "bending p50", "bending p99", "bending max", "σ min",   "σ p1",
-    "σ p50",  "σ max",     "free area",   "volume",      "rim jump",    "flipped", "self-intersections",
-    "set-up", "solve"};
+constexpr std::array columns = {"method", "edges RMS", "bending p50", "bending p99", "bending max",
+                                "σ min",  "σ p1",      "σ p50",       "σ max",       "free area",
+                                "volume", "rim jump",  "width",       "flipped",     "self-intersections",
+                                "set-up", "solve"};
 using Row = std::vector<std::string>;
 
 template <class T, class Write>
@@ -114,8 +114,10 @@ Row row_of(const MethodOutcome& outcome, const Wording& wording) {
           percent_change(quality.area_ratio_free),
           where_known(quality.volume_ratio, percent_change),
           degrees(quality.rim_jump_max_deg),
+          quality.narrowest_vertex < 0 ? "–" : fmt::format("{:.0f} %", 100 * quality.width_min),
           std::to_string(quality.flipped_faces),
-          where_known(quality.new_self_intersections, [](std::int64_t count) { return std::to_string(count); }),
+          where_known(
+              quality.new_self_intersections, [](std::int64_t count) { return std::to_string(count); }),
           where_known(set_up_seconds(outcome), seconds),
           seconds(outcome.result->report.seconds.solve)};
 }

@@ -249,6 +249,8 @@ Json quality_json(const Quality& quality) {
             {"p99", quality.dihedral_p99_deg},
             {"max", quality.dihedral_max_deg}}},
           {"rim_jump_max_deg", quality.rim_jump_max_deg},
+          {"width_min", quality.width_min},
+          {"narrowest_vertex", quality.narrowest_vertex},
           {"flipped_faces", quality.flipped_faces},
           {"new_self_intersections", optional_json(quality.new_self_intersections)}};
 }

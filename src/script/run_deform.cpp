@@ -197,7 +197,19 @@ Solution solve(const ResolvedProblem& problem, const DeformSettings& settings, c
   return solve_by(ProxyOptions{settings.deformer, proxy}, problem, options, report, context);
 }
 
-std::vector<Note> notes_of(const StepReport& report) {
+/// Returns the smallest scale by which a handle's pose or a constraint shrinks what it holds, at most 1.
+double smallest_scale(const ResolvedDeform& deform) {
+  double smallest = 1;
+  const auto include = [&](const Eigen::Matrix3d& map) {
+    smallest = std::min(smallest, map.jacobiSvd().singularValues()[2]);
+  };
+  for (const HandlePose& pose : deform.poses) include(pose.transform.linear());
+  for (const VertexConstraint& constraint : deform.constraints)
+    if (constraint.transform) include(*constraint.transform);
+  return smallest;
+}
+
+std::vector<Note> notes_of(const StepReport& report, double smallest_scale) {
   std::vector<Note> notes;
   if (report.proxy && report.proxy->free_vertices < report.counts.free)
     notes.push_back(
@@ -208,6 +220,10 @@ std::vector<Note> notes_of(const StepReport& report) {
     notes.push_back(facts::script::NotSettled{
         .iterations = report.evaluation->iterations,
         .change_deg = report.evaluation->last_rotation_change * 180 / std::numbers::pi});
+  constexpr double pinched = 0.5;  // chosen, × the handles' scale
+  if (report.quality.width_min < pinched * smallest_scale)
+    notes.push_back(facts::script::Pinched{.vertex = report.quality.narrowest_vertex,
+                                           .percent = 100 * report.quality.width_min});
   return notes;
 }
 
@@ -384,7 +400,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, state.mesh.positions);
   report.quality = measure_quality({rest, state.mesh.positions, triangles, solution.free}, {}, context);
-  const std::vector<Note> notes = notes_of(report);
+  const std::vector<Note> notes = notes_of(report, smallest_scale(problem.deform));
   report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   if (!weld.empty()) report.notes.push_back(facts::script::Welded{.vertices = weld.copies});
   report.seconds.measure += watch.lap();

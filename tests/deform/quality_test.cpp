@@ -15,6 +15,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "support/limb_cases.h"
+
 namespace meshgraft {
 namespace {
 
@@ -114,7 +116,8 @@ std::array<double, 7> sigmas(const Quality& q) {
 std::vector<double> numbers(const Quality& q) {
   std::vector<double> all{q.area_ratio,       q.area_ratio_free,  q.volume_ratio.value_or(-1),
                           q.edge_rms,         q.dihedral_p50_deg, q.dihedral_p99_deg,
-                          q.dihedral_max_deg, q.rim_jump_max_deg, static_cast<double>(q.flipped_faces)};
+                          q.dihedral_max_deg, q.rim_jump_max_deg, static_cast<double>(q.flipped_faces),
+                          q.width_min};
   const auto s = sigmas(q);
   all.insert(all.end(), s.begin(), s.end());
   return all;
@@ -321,6 +324,41 @@ TEST(Quality, AFoldAlongARimIsAJump) {
   const Quality within = measure_quality({flat.positions, folded_within.positions, flat.triangles, free});
   EXPECT_NEAR(within.rim_jump_max_deg, 0, 1e-9);
   EXPECT_NEAR(within.dihedral_max_deg, 35, 1e-9);
+}
+
+TEST(Quality, WidthIsThatOfTheNarrowestPlace) {
+  for (const test::LimbShape& shape : {test::LimbShape{}, test::LimbShape{.square = true, .uneven = true}}) {
+    const test::Limb limb = test::make_limb(shape);
+    const auto pinched_by = [&](double share) {  // at the middle
+      Points edited = limb.mesh.positions;
+      for (const Index v : limb.middle) {
+        const double height = (edited(v, 2) - limb.length / 2) / limb.length;
+        edited.row(v).head<2>() *= 1 - (1 - share) * std::exp(-60 * height * height);
+      }
+      return measure_quality({limb.mesh.positions, edited, limb.mesh.triangles, limb.middle});
+    };
+    for (const double share : {1.0, 0.7, 0.2}) {
+      const Quality quality = pinched_by(share);
+      EXPECT_NEAR(quality.width_min, share, 0.02) << limb.mesh.name;
+      ASSERT_GE(quality.narrowest_vertex, 0);
+      if (share < 1) {
+        EXPECT_NEAR(limb.mesh.positions(quality.narrowest_vertex, 2), limb.length / 2, 0.5);
+      }
+    }
+    const Points moved = transformed(limb.mesh.positions, rigid_motion());
+    EXPECT_NEAR(measure_quality({limb.mesh.positions, moved, limb.mesh.triangles, limb.middle}).width_min, 1,
+                1e-9);
+    Triangles inward = limb.mesh.triangles;
+    inward.col(0).swap(inward.col(1));  // rays leave the body at once: nothing is enclosed on that side
+    const Quality outside = measure_quality({limb.mesh.positions, moved, inward, limb.middle});
+    EXPECT_EQ(outside.narrowest_vertex, -1);
+    EXPECT_EQ(outside.width_min, 1);
+  }
+  const Surface sheet = folded_strip({0, 0, 0, 0, 0});
+  std::vector<Index> all(static_cast<std::size_t>(sheet.positions.rows()));
+  std::iota(all.begin(), all.end(), Index{0});
+  EXPECT_EQ(measure_quality({sheet.positions, 0.5 * sheet.positions, sheet.triangles, all}).narrowest_vertex,
+            -1);
 }
 
 TEST(Quality, VolumeOnlyOfClosedOrientedSurfaces) {

@@ -140,7 +140,10 @@ TEST(Compare, NotesStandBelowTheTable) {
   const Comparison comparison = compare_methods(edit, methods);
   EXPECT_NE(comparison_table(comparison).find("\n\n- corotational: a handle mirrors"), std::string::npos);
   const auto notes = nlohmann::json::parse(write_comparison(comparison))["methods"][0]["notes"];
-  ASSERT_EQ(notes.size(), 1u);
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_EQ(notes[1]["id"], "script.pinched")
+      << "between a bar and its mirror image nothing is left of the width";
+  EXPECT_LT(notes[1]["fields"]["percent"].get<double>(), 20);
   EXPECT_EQ(notes[0]["id"], "script.no_rotation");
   EXPECT_EQ(notes[0]["fields"], nlohmann::json::object());
   EXPECT_FALSE(notes[0].contains("step")) << "the step has no name";

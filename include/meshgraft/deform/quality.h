@@ -37,6 +37,12 @@ struct Quality {
   /// Largest such change where held and free surface meet. These are edges between a free and a held vertex,
   /// and edges between a face that touches a free vertex and one that does not.
   double rim_jump_max_deg = 0;
+  /// Smallest width of the body that the surface encloses, edited / rest. The width at a free vertex is the
+  /// distance to the opposite point, where a ray from the vertex at rest against its normal leaves the body.
+  /// The opposite point moves with its triangle. Widths count from an edge's length up to the size of the free
+  /// part. Of more than 20,000 free vertices, that many are measured, evenly spread over their numbers.
+  double width_min = 1;
+  Index narrowest_vertex = -1;  ///< where that is; -1 if no free vertex has a width
   /// Free faces turned by > 90° against the mean normal of the faces around their corners (weighted by area
   /// at rest) that were not so at rest.
   Index flipped_faces = 0;

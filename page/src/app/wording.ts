@@ -512,6 +512,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `“${handle}” overlaps its mirror image, in ${shared} of ${counted(all, "vertex", "vertices")}`,
     remedy: "Keep it on one side of the plane, or move the plane under Symmetry.",
   }),
+  "script.pinched": ({ vertex, percent }) => ({
+    problem: `at vertex ${vertex} the surface is ${formatNumber(percent, 2, 0)} % as wide as it was`,
+    remedy: "A smaller turn, or a longer Reach, keeps more of its width.",
+  }),
   "script.pairs_unclear": ({ target_loops, target_sizes, source_loops, source_sizes }) => ({
     problem: `which loops meet is not clear: the model has ${loopSizes(target_loops, target_sizes)}, the part ${loopSizes(source_loops, source_sizes)}`,
     remedy: "Click a loop of the model and the loop of the part that it meets.",

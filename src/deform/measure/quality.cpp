@@ -17,6 +17,7 @@
 #include "core/percentile.h"
 #include "deform/setup/free_vertices.h"
 #include "mesh/edge_table.h"
+#include "width.h"
 
 namespace meshgraft {
 
@@ -333,6 +334,9 @@ Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, c
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
   count_flipped(faces, triangles, faces_around, context, quality);
+  const Narrowest narrowest = find_narrowest(mesh, is_free, context);
+  quality.width_min = narrowest.width;
+  quality.narrowest_vertex = narrowest.vertex;
   if (options.self_intersections) quality.new_self_intersections = count_new_self_intersections(mesh, context);
   return quality;
 }

@@ -10,9 +10,9 @@
 
 #include <meshgraft/core/context.h>
 
-namespace meshgraft::render {
+namespace meshgraft {
 
-using Triangle = std::array<Eigen::Vector3f, 3>;
+using RayTriangle = std::array<Eigen::Vector3f, 3>;
 
 /// A set of triangles, and the first of them that a ray meets. A ray never slips through between triangles that
 /// share an edge. Results are the same for any number of threads.
@@ -26,7 +26,7 @@ class RayTracer {
   };
 
   /// Triangles with a coordinate that is not finite are left out.
-  explicit RayTracer(const std::vector<Triangle>& triangles, const Context& context = {});
+  explicit RayTracer(const std::vector<RayTriangle>& triangles, const Context& context = {});
 
   /// Returns the nearest hit in front of the origin.
   std::optional<Hit> first_hit(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
@@ -65,4 +65,4 @@ class RayTracer {
   std::vector<Pack> packs_;
 };
 
-}  // namespace meshgraft::render
+}  // namespace meshgraft

@@ -1,4 +1,4 @@
-#include "render/ray_tracer.h"
+#include "ray_tracer.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include "mesh/bvh.h"
+#include "bvh.h"
 
-namespace meshgraft::render {
+namespace meshgraft {
 
 namespace {
 
@@ -72,7 +72,7 @@ struct RayTracer::Builder {
   using Box = Eigen::AlignedBox3f;
 
   RayTracer& tracer;
-  const std::vector<Triangle>& triangles;
+  const std::vector<RayTriangle>& triangles;
   const std::vector<std::uint32_t>& finite;  // by item
   const Bvh& tree;
 
@@ -151,7 +151,7 @@ struct RayTracer::Builder {
   }
 };
 
-RayTracer::RayTracer(const std::vector<Triangle>& triangles, const Context& context) {
+RayTracer::RayTracer(const std::vector<RayTriangle>& triangles, const Context& context) {
   std::vector<std::uint32_t> finite;
   std::vector<BoundingBox> boxes;
   boxes.reserve(triangles.size());
@@ -270,4 +270,4 @@ bool RayTracer::blocked(const Eigen::Vector3f& origin, const Eigen::Vector3f& di
   return false;
 }
 
-}  // namespace meshgraft::render
+}  // namespace meshgraft

@@ -1,4 +1,4 @@
-#include "render/ray_tracer.h"
+#include "mesh/ray_tracer.h"
 
 #include <cmath>
 #include <limits>
@@ -12,16 +12,16 @@
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/samples/samples.h>
 
-namespace meshgraft::render {
+namespace meshgraft {
 namespace {
 
 using Eigen::Vector3f;
 
-std::vector<Triangle> triangles_of(const Mesh& mesh) {
+std::vector<RayTriangle> triangles_of(const Mesh& mesh) {
   const Triangles corner_lists = triangulate(mesh).triangles;
-  std::vector<Triangle> out;
+  std::vector<RayTriangle> out;
   for (const auto corners : corner_lists.rowwise()) {
-    Triangle& triangle = out.emplace_back();
+    RayTriangle& triangle = out.emplace_back();
     for (int c = 0; c < 3; ++c)
       triangle[static_cast<std::size_t>(c)] = mesh.positions.row(corners[c]).transpose().cast<float>();
   }
@@ -41,9 +41,9 @@ class Numbers {
   std::mt19937 engine_{7};
 };
 
-std::vector<Triangle> random_triangles(int count, float size) {
+std::vector<RayTriangle> random_triangles(int count, float size) {
   Numbers numbers;
-  std::vector<Triangle> out;
+  std::vector<RayTriangle> out;
   for (int t = 0; t < count; ++t) {
     const Vector3f centre = numbers.point();
     out.push_back({centre + numbers.point(size), centre + numbers.point(size), centre + numbers.point(size)});
@@ -52,7 +52,7 @@ std::vector<Triangle> random_triangles(int count, float size) {
 }
 
 // Returns the distance at which a ray meets a triangle, in double precision, or infinity.
-double distance_to(const Triangle& triangle, const Vector3f& origin, const Vector3f& direction) {
+double distance_to(const RayTriangle& triangle, const Vector3f& origin, const Vector3f& direction) {
   const Eigen::Vector3d p0 = triangle[0].cast<double>(), d = direction.cast<double>();
   Eigen::Matrix3d columns;
   columns << triangle[1].cast<double>() - p0, triangle[2].cast<double>() - p0, -d;
@@ -63,14 +63,14 @@ double distance_to(const Triangle& triangle, const Vector3f& origin, const Vecto
 
 TEST(RayTracer, FindsTheNearestOfAllTriangles) {
   for (const int count : {1, 3, 5, 9, 70, 300}) {
-    const std::vector<Triangle> triangles = random_triangles(count, count < 100 ? 0.8f : 0.3f);
+    const std::vector<RayTriangle> triangles = random_triangles(count, count < 100 ? 0.8f : 0.3f);
     const RayTracer tracer(triangles);
     Numbers numbers;
     int hits = 0;
     for (int ray = 0; ray < 300; ++ray) {
       const Vector3f origin = numbers.point(2), direction = numbers.direction();
       double nearest = std::numeric_limits<double>::infinity();
-      for (const Triangle& triangle : triangles)
+      for (const RayTriangle& triangle : triangles)
         nearest = std::min(nearest, distance_to(triangle, origin, direction));
       const auto hit = tracer.first_hit(origin, direction);
       ASSERT_EQ(hit.has_value(), std::isfinite(nearest)) << count << " triangles, ray " << ray;
@@ -94,7 +94,7 @@ TEST(RayTracer, LetsNoRayOutOfAClosedSurface) {
     Mesh mesh = make_sample("bar", 12);
     mesh.positions.rowwise() -= mesh.positions.colwise().mean().eval();
     if (round) mesh.positions.rowwise().normalize();
-    const std::vector<Triangle> triangles = triangles_of(mesh);
+    const std::vector<RayTriangle> triangles = triangles_of(mesh);
     const RayTracer tracer(triangles);
     Numbers numbers;
     for (int from = 0; from < 5; ++from) {
@@ -136,11 +136,11 @@ TEST(RayTracer, LeavesOutWhatHasNoArea) {
 }
 
 TEST(RayTracer, LeavesOutWhatIsNotFinite) {
-  const std::vector<Triangle> sound = random_triangles(100, 0.3f);
+  const std::vector<RayTriangle> sound = random_triangles(100, 0.3f);
   constexpr float nan = std::numeric_limits<float>::quiet_NaN(),
                   infinite = std::numeric_limits<float>::infinity();
-  std::vector<Triangle> mixed;
-  for (const Triangle& triangle : sound) {
+  std::vector<RayTriangle> mixed;
+  for (const RayTriangle& triangle : sound) {
     mixed.push_back(triangle);
     mixed.push_back({triangle[0], triangle[1], Vector3f(nan, infinite, -infinite)});
   }
@@ -157,8 +157,9 @@ TEST(RayTracer, LeavesOutWhatIsNotFinite) {
 
 TEST(RayTracer, MeetsNothingWithoutTrianglesOrWithoutARay) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const std::vector<Triangle>& none :
-       {std::vector<Triangle>{}, std::vector<Triangle>{{Eigen::Vector3f(0, 0, 0), {1, 0, 0}, {0, nan, 0}}}}) {
+  for (const std::vector<RayTriangle>& none :
+       {std::vector<RayTriangle>{},
+        std::vector<RayTriangle>{{Eigen::Vector3f(0, 0, 0), {1, 0, 0}, {0, nan, 0}}}}) {
     const RayTracer tracer(none);
     EXPECT_FALSE(tracer.first_hit({0, 0, 1}, {0, 0, -1}).has_value());
     EXPECT_FALSE(tracer.blocked({0, 0, 1}, {0, 0, -1}));
@@ -172,4 +173,4 @@ TEST(RayTracer, MeetsNothingWithoutTrianglesOrWithoutARay) {
 }
 
 }  // namespace
-}  // namespace meshgraft::render
+}  // namespace meshgraft

@@ -1,0 +1,141 @@
+#include "width.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "core/parallel.h"
+#include "mesh/ray_tracer.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t most_rays = 20000;
+/// A ray leaves a body where the normal of the surface is at most this far from its direction: 60°.
+constexpr double least_cosine = 0.5;
+
+/// The surface at rest in units of the size of its free part, from the middle of that.
+struct Rest {
+  const Points& points;
+  const Triangles& triangles;
+  Vector3d middle;
+  double size;
+
+  Vector3d at(Index v) const { return (points.row(v).transpose() - middle) / size; }
+  Vector3d corner(Eigen::Index t, int c) const { return at(triangles(t, c)); }
+};
+
+/// A free vertex and the ray from it into the body.
+struct Probe {
+  Index vertex = -1;
+  Vector3d inward = Vector3d::Zero();  ///< unit length, or zero where there is no normal
+  double edge = 0;                     ///< mean length of the edges around the vertex
+};
+
+std::vector<Index> choose_vertices(std::span<const std::uint8_t> is_free) {
+  std::vector<Index> free;
+  for (std::size_t v = 0; v < is_free.size(); ++v)
+    if (is_free[v] != 0) free.push_back(static_cast<Index>(v));
+  const std::size_t step = std::max<std::size_t>(1, (free.size() + most_rays - 1) / most_rays);
+  std::vector<Index> chosen;
+  for (std::size_t k = 0; k < free.size(); k += step) chosen.push_back(free[k]);
+  return chosen;
+}
+
+std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& vertices) {
+  std::vector<Probe> probes(vertices.size());
+  std::vector<Index> probe_at(static_cast<std::size_t>(rest.points.rows()), -1);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    probes[k].vertex = vertices[k];
+    probe_at[vertices[k]] = static_cast<Index>(k);
+  }
+  std::vector<int> sides(probes.size(), 0);
+  for (Eigen::Index t = 0; t < rest.triangles.rows(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const Index number = probe_at[rest.triangles(t, c)];
+      if (number < 0) continue;
+      const Vector3d next = rest.corner(t, (c + 1) % 3) - rest.corner(t, c);
+      const Vector3d last = rest.corner(t, (c + 2) % 3) - rest.corner(t, c);
+      probes[number].inward -= next.cross(last);
+      probes[number].edge += next.norm() + last.norm();
+      sides[number] += 2;
+    }
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    probes[k].inward = probes[k].inward.stableNormalized();
+    if (sides[k] > 0) probes[k].edge /= sides[k];
+  }
+  return probes;
+}
+
+/// Returns the triangles within the size of the free part's box.
+std::vector<Index> triangles_near(const Rest& rest, const Eigen::AlignedBox3d& box) {
+  const Eigen::AlignedBox3d wide(box.min().array() - 1, box.max().array() + 1);
+  std::vector<Index> near;
+  for (Eigen::Index t = 0; t < rest.triangles.rows(); ++t) {
+    Eigen::AlignedBox3d triangle;
+    for (int c = 0; c < 3; ++c) triangle.extend(rest.corner(t, c));
+    if (wide.intersects(triangle)) near.push_back(static_cast<Index>(t));
+  }
+  return near;
+}
+
+}  // namespace
+
+Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> is_free,
+                         const Context& context) {
+  const std::vector<Index> vertices = choose_vertices(is_free);
+  Eigen::AlignedBox3d box;
+  for (const Index v : vertices)
+    if (mesh.rest.row(v).allFinite()) box.extend(mesh.rest.row(v).transpose());
+  const double size = box.isEmpty() ? 0 : box.sizes().stableNorm();
+  if (!(size > 0) || !std::isfinite(size)) return {};
+  const Rest rest{mesh.rest, mesh.triangles, box.center(), size};
+  context.throw_if_stopped();
+  const std::vector<Probe> probes = make_probes(rest, vertices);
+  const std::vector<Index> near =
+      triangles_near(rest, {(box.min() - rest.middle) / size, (box.max() - rest.middle) / size});
+  std::vector<RayTriangle> traced(near.size());
+  for (std::size_t k = 0; k < near.size(); ++k)
+    for (int c = 0; c < 3; ++c) traced[k][static_cast<std::size_t>(c)] = rest.corner(near[k], c).cast<float>();
+  const RayTracer tracer(traced, context);
+  context.throw_if_stopped();
+
+  std::vector<double> widths(probes.size(), std::numeric_limits<double>::infinity());
+  const auto measure = [&](std::size_t k) {
+    constexpr double clearance = 0.01;  // × the edge, so that the triangles around the vertex are not met
+    const Probe& probe = probes[k];
+    const Vector3d from = rest.at(probe.vertex), origin = from + clearance * probe.edge * probe.inward;
+    if (probe.inward.isZero(0) || !origin.allFinite()) return;
+    const auto hit = tracer.first_hit(origin.cast<float>(), probe.inward.cast<float>());
+    if (!hit) return;
+    const Index t = near[hit->triangle];
+    const double u = hit->u, v = hit->v;
+    const Vector3d a = rest.corner(t, 0), b = rest.corner(t, 1), c = rest.corner(t, 2);
+    const double width = ((1 - u - v) * a + u * b + v * c - from).norm();
+    const Vector3d normal = (b - a).cross(c - a).stableNormalized();
+    if (normal.dot(probe.inward) < least_cosine || width < probe.edge || width > 1) return;
+    const auto away = [&](int k) -> Vector3d {  // of the opposite triangle's corner from the vertex
+      return (mesh.edited.row(mesh.triangles(t, k)) - mesh.edited.row(probe.vertex)).transpose() / size;
+    };
+    const double ratio = ((1 - u - v) * away(0) + u * away(1) + v * away(2)).norm() / width;
+    if (std::isfinite(ratio)) widths[k] = ratio;
+  };
+  parallel_blocks(
+      probes.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) measure(k);
+      },
+      context);
+  Narrowest narrowest{.width = std::numeric_limits<double>::infinity()};
+  for (std::size_t k = 0; k < probes.size(); ++k)
+    if (widths[k] < narrowest.width) narrowest = {.width = widths[k], .vertex = probes[k].vertex};
+  return narrowest.vertex < 0 ? Narrowest() : narrowest;
+}
+
+}  // namespace meshgraft
