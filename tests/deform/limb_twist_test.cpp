@@ -212,7 +212,7 @@ TEST(Twists, AreShownByReducedFrames) {
   for (const DeformMethod method : {DeformMethod::rotation_aware, DeformMethod::corotational}) {
     const Deformer deformer = twisted(limb, method);
     const ReducedFrames frames(deformer, {.centres = 128});
-    for (const auto& [degrees, largest] : {std::pair{90.0, 0.02}, {180.0, 0.02}, {360.0, 0.045}}) {
+    for (const auto& [degrees, largest] : {std::pair{90.0, 0.01}, {180.0, 0.015}, {360.0, 0.03}}) {
       const HandlePose pose = test::top_turned(degrees);
       const Points exact = deformer.evaluate(std::span(&pose, 1)), frame = frames.frame(std::span(&pose, 1));
       const double moved = (exact - limb.mesh.positions).rowwise().norm().maxCoeff();

@@ -33,6 +33,31 @@ struct SampleScene {
       if (seeds[v]) all.push_back(v);
     return edge_distance(all, mesh.positions, rings, {.limit = everywhere});
   }
+  /// Returns the same in units that double from the seeds to the vertex farthest from them.
+  std::vector<double> graded_distance_from(const std::vector<Index>& sources) const {
+    std::vector<double> unit = distance_from({});
+    double farthest = 0;
+    for (const double distance : unit)
+      if (distance < everywhere) farthest = std::max(farthest, distance);
+    for (double& u : unit) u = 1 + (farthest > 0 ? std::min(u / farthest, 1.0) : 0);
+    std::vector<double> distance(unit.size(), everywhere);
+    for (const Index v : sources) distance[v] = 0;
+    for (Index v = 0; v < mesh.size(); ++v)
+      if (seeds[v]) distance[v] = 0;
+    for (bool changed = true; changed;) {  // Bellman and Ford
+      changed = false;
+      for (Index v = 0; v < mesh.size(); ++v)
+        for (const Index w : rings[v]) {
+          const double through =
+              distance[w] + 2 * (mesh.positions.row(v) - mesh.positions.row(w)).norm() / (unit[v] + unit[w]);
+          if (through < distance[v]) {
+            distance[v] = through;
+            changed = true;
+          }
+        }
+    }
+    return distance;
+  }
 };
 
 TEST(SurfaceSamples, EachIsTheCandidateFarthestFromThoseBefore) {
@@ -45,7 +70,7 @@ TEST(SurfaceSamples, EachIsTheCandidateFarthestFromThoseBefore) {
     double last = everywhere;
     for (const Index s : samples) {
       ASSERT_TRUE(scene.candidates[s]);
-      const std::vector<double> distance = scene.distance_from(before);
+      const std::vector<double> distance = scene.graded_distance_from(before);
       double farthest = 0;
       for (Index v = 0; v < scene.mesh.size(); ++v)
         if (scene.candidates[v]) farthest = std::max(farthest, distance[v]);

@@ -1,5 +1,7 @@
 #include "surface_samples.h"
 
+#include <algorithm>
+
 #include "core/sparse_checks.h"
 #include "mesh/shortest_distances.h"
 
@@ -27,22 +29,40 @@ class EdgeDistances {
     shortest_distances(new_sources_, distance_, [&](Index v, double distance, const auto& offer) {
       check_();
       for (const Index w : rings_[v])
-        if (offer(w, distance + (points_.row(v) - points_.row(w)).norm())) source_[w] = source_[v];
+        if (offer(w, distance + length(v, w))) source_[w] = source_[v];
       return true;
     });
     new_sources_.clear();
+  }
+
+  /// Forgets all sources, and measures from now on in units that grow with the distance found so far: they
+  /// double up to the farthest vertex.
+  void grade() {
+    double farthest = 0;
+    for (const double distance : distance_)
+      if (distance < unreached) farthest = std::max(farthest, distance);
+    unit_.assign(distance_.size(), 1.0);
+    for (std::size_t v = 0; v < distance_.size(); ++v)
+      if (farthest > 0) unit_[v] += std::min(distance_[v] / farthest, 1.0);
+    std::fill(distance_.begin(), distance_.end(), unreached);
   }
 
   double distance(Index vertex) const { return distance_[vertex]; }
   const std::vector<Index>& sources() const { return source_; }
 
  private:
+  double length(Index v, Index w) const {
+    const double length = (points_.row(v) - points_.row(w)).norm();
+    return unit_.empty() ? length : 2 * length / (unit_[v] + unit_[w]);
+  }
+
   const Points& points_;
   const IndexLists& rings_;
   SparseChecks check_;
   std::vector<double> distance_;
   std::vector<Index> source_;
   std::vector<Index> new_sources_;
+  std::vector<double> unit_;  ///< per vertex; empty: 1
 };
 
 }  // namespace
@@ -52,9 +72,14 @@ std::vector<Index> farthest_vertices(const Points& points, const IndexLists& rin
                                      std::span<const std::uint8_t> candidates, Index count,
                                      const Context& context) {
   EdgeDistances distances(points, rings, context);
-  for (Index v = 0; v < rings.size(); ++v)
-    if (seeds[v]) distances.add_source(v, 0);
-  distances.update();
+  const auto start = [&] {
+    for (Index v = 0; v < rings.size(); ++v)
+      if (seeds[v]) distances.add_source(v, 0);
+    distances.update();
+  };
+  start();
+  distances.grade();
+  start();
   std::vector<Index> chosen;
   while (true) {
     context.throw_if_stopped();
