@@ -14,6 +14,7 @@ a C++ type or name to say it.
 
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 # Structs that become dataclasses, in the order of their dependence.
@@ -321,8 +322,9 @@ class Python:
             out.append("")
         for name in RECORDS:
             struct = self.headers.structs[name]
+            attributes = [(field.name, doc) for field in struct.fields if (doc := self.field_doc(struct, field))]
             out += ["", f"@dataclass(frozen=True, kw_only=True{'' if self.is_plain(name) else ', eq=False'})",
-                    f"class {struct.python_name}:", literal(self.record_doc(struct), "    "), ""]
+                    f"class {struct.python_name}:", literal(self.record_doc(struct), "    ", attributes), ""]
             for field in struct.fields:
                 default = self.default(field)
                 out.append(f"    {field.name}: {self.annotation(field.cpp_type)}" + (f" = {default}" if default else ""))
@@ -400,16 +402,26 @@ ERRORS = {"usage": "UsageError", "input": "InputError", "unsolvable": "Unsolvabl
           "memory": "OutOfMemoryError", "cancelled": "Cancelled", "internal": "Error"}
 
 
-def literal(text, indent):
-    """A docstring, wrapped."""
-    words, lines, line = text.replace("\\", "\\\\").replace('"""', "'''").split(), [], indent + '"""'
+def escaped(text):
+    return text.replace("\\", "\\\\").replace('"""', "'''")
+
+
+def literal(text, indent, attributes=()):
+    """A docstring, wrapped. A section tells of the attributes, which help() does not find elsewhere."""
+    words, lines, line = escaped(text).split(), [], indent + '"""'
     for word in words:
         if len(line) + len(word) + 1 > 116:
             lines.append(line)
             line = indent + word
         else:
             line += word if line.endswith('"""') and not line.strip('" ') else " " + word
-    if line.endswith('"'):
+    if attributes:
+        lines += [line, "", f"{indent}Attributes:"]
+        for name, doc in attributes:
+            lines += textwrap.wrap(escaped(f"{name}: {doc}"), 116, initial_indent=indent + "    ",
+                                   subsequent_indent=indent + "        ", break_long_words=False)
+        line = indent
+    elif line.endswith('"'):
         line += " "
     return "\n".join([*lines, line + '"""'])
 

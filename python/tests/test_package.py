@@ -1,6 +1,7 @@
 """The package as a whole: its types, its docs, and that every public name is used."""
 
 import ast
+import dataclasses
 import inspect
 import re
 import subprocess
@@ -92,3 +93,9 @@ grafted: mg.Mesh = result.mesh
 mg.Deformer(mesh, method="ft06")  # type: ignore[arg-type]
 mg.repair(mesh, hole_file="faired")  # type: ignore[call-arg]
 '''
+
+
+def test_help_tells_of_each_attribute_of_what_functions_return():
+    for record in (mg.CutResult, mg.RepairResult, mg.Quality, mg.MergeReport):
+        for field in dataclasses.fields(record):
+            assert f"\n    {field.name}: " in inspect.getdoc(record), f"{record.__name__}.{field.name}"
