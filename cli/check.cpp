@@ -267,7 +267,7 @@ void check_mesh_file(const CheckArguments& arguments, const Context& context) {
 // Runs the steps of an edit and returns the error that ends them, if there is one.
 std::optional<Error> failure_of(const EditFile& edit, const Context& context) {
   try {
-    run_edit(edit, {.estimate_condition = false}, context);
+    run_edit(edit, {}, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     return error;

@@ -212,6 +212,8 @@ void add_edit_run_options(CLI::App& command, EditRunArguments& arguments) {
   add_memory(command, arguments.memory);
   command.add_option("--report", arguments.report, "Write what was done, with measures of quality, as JSON")
       ->type_name("FILE");
+  command.add_flag("--condition", arguments.run.estimate_condition,
+                   "Estimate the condition number of the equations for the report, by up to ten more solves");
 #ifdef MESHGRAFT_HAS_RENDER
   add_picture(command, arguments.picture, arguments.view, "Write a PNG of the mesh before and after");
 #endif

@@ -87,9 +87,8 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
   try {
     std::map<std::string, MeshState> states{{job.target->name, job.target->state()},
                                             {job.source->name, job.source->state()}};
-    const StepReport report =
-        run_step(edit, step, (Location::file(edit.location) / "steps")[edit.steps.size() - 1], states,
-                 {.estimate_condition = false}, context);
+    const StepReport report = run_step(
+        edit, step, (Location::file(edit.location) / "steps")[edit.steps.size() - 1], states, {}, context);
     outcome = {std::make_shared<const MeshState>(std::move(states.at(outcome_of(step)))),
                found_json(*report.merge)};
     const ShownGraft shown{*job.target, *job.source, outcome.state->mesh, report, number, job.dragged};

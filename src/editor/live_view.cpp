@@ -252,8 +252,7 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
 void LiveView::run_exactly(const Document& document, const Context& context) {
   std::map<std::string, MeshState> states{{base_->name, base_->state()}};
   const EditStep& step = document.edit.steps.back();
-  const StepReport report =
-      run_step(document.edit, step, location_of(document), states, {.estimate_condition = false}, context);
+  const StepReport report = run_step(document.edit, step, location_of(document), states, {}, context);
   const auto positions = std::make_shared<const Points>(states.at(outcome_of(step)).mesh.positions);
   const LiveFrame frame{++last_pose_, positions, FrameAccuracy::exact, report.seconds.total};
   outcome_ = std::make_shared<const MeshState>(std::move(states.at(outcome_of(step))));

@@ -144,9 +144,8 @@ std::shared_ptr<const MeshState> Objects::state(const Document& document, const 
   for (const std::string& used : meshes_of(step))
     states.insert_or_assign(used, *state(document, used, *maker, keys, context));
   const RunningSteps::Mark mark = running_.begin(key);
-  const StepReport report =
-      run_step(document.edit, step, (Location::file(document.edit.location) / "steps")[*maker], states,
-               {.estimate_condition = false}, context);
+  const StepReport report = run_step(
+      document.edit, step, (Location::file(document.edit.location) / "steps")[*maker], states, {}, context);
   if (report.merge) found_.put(key, std::make_shared<const Json>(found_json(*report.merge)));
   auto made = std::make_shared<const MeshState>(std::move(states.at(name)));
   states_.put(key, made);

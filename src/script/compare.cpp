@@ -197,7 +197,6 @@ Comparison compare_methods(const EditFile& edit, const LoadedInputs& inputs, std
     MethodOutcome outcome{method, {}, {}};
     RunOptions options;
     options.overrides = overrides_of(method);
-    options.estimate_condition = false;
     try {
       const std::size_t number = comparison.outcomes.size() + 1;
       outcome.result = run_steps(edit, inputs, options, context_of(method, number, methods.size(), context));

@@ -129,10 +129,18 @@ TEST_F(CommandLine, RunRefusesOutputsThatMakeNoSense) {
 TEST_F(CommandLine, JsonGoesToStandardOutputAlone) {
   const Outcome outcome = run("deform edit.json -o out.ply --json --threads 1");
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(json::parse(outcome.out)["format"], "meshgraft-report");
+  const json report = json::parse(outcome.out);
+  EXPECT_EQ(report["format"], "meshgraft-report");
+  EXPECT_TRUE(report["condition_estimate"].is_null());
   const Outcome info = run("info out.ply --json");
   ASSERT_EQ(info.status, 0) << info.err;
   EXPECT_EQ(json::parse(info.out)["counts"]["vertices"], 64);
+}
+
+TEST_F(CommandLine, TheConditionIsEstimatedWhereThatIsAskedFor) {
+  const Outcome outcome = run("deform edit.json -o out.ply --json --condition");
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_GT(json::parse(outcome.out)["condition_estimate"], 1);
 }
 
 TEST_F(CommandLine, OptionsOverrideTheFile) {

@@ -104,7 +104,7 @@ TEST_P(Scenarios, MeetWhatTheirFilesExpect) {
   EXPECT_EQ(scenario.mesh.vertex_count(), counts["vertices"].get<Index>());
   EXPECT_EQ(scenario.mesh.face_count(), counts["faces"].get<Index>());
   const Points& rest = scenario.mesh.positions;
-  const EditResult edit = run_edit(read_edit_file(GetParam()), {.estimate_condition = false});
+  const EditResult edit = run_edit(read_edit_file(GetParam()));
   EXPECT_EQ(edit.report.counts.free, counts["free"].get<Index>());
   EXPECT_EQ(edit.report.counts.handle, counts["handle"].get<Index>());
   EXPECT_EQ(edit.report.counts.fixed, counts["fixed"].get<Index>());

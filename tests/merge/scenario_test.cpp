@@ -30,7 +30,7 @@ std::vector<std::filesystem::path> merge_scenarios() {
 }
 
 EditResult run(const std::filesystem::path& path, MergeShape shape) {
-  RunOptions options{.estimate_condition = false};
+  RunOptions options;
   options.overrides.shape = shape;
   return run_edit(read_edit_file(path), options);
 }

@@ -45,7 +45,7 @@ inline constexpr int as_they_are = 0, coarse = 40;
 EditFile read_scenario(const Scenario& scenario, int largest_resolution);
 
 /// Options without what only reports need.
-inline const RunOptions plain{.estimate_condition = false};
+inline const RunOptions plain;
 
 /// A step that was run, with the meshes as they were before it.
 struct StepRun {

@@ -91,8 +91,8 @@ TEST(AsPublishedEdit, ReadsBackWhatItWrites) {
 }
 
 TEST(AsPublishedEdit, IsWhatTheOverrideDoes) {
-  const RunOptions published{.overrides = {.preset = Preset::as_published}, .estimate_condition = false};
-  const RunOptions plain{.estimate_condition = false};
+  const RunOptions published{.overrides = {.preset = Preset::as_published}};
+  const RunOptions plain;
   const EditResult named = run_edit(bend_with(R"({"preset": "as-published"})"), plain);
   const EditResult overridden = run_edit(bend_with(R"({"density": "aware", "proxy": 60})"), published);
   EXPECT_EQ(overridden.mesh.positions, named.mesh.positions);
@@ -125,7 +125,7 @@ TEST(MadeWith, OtherMethodsGiveANote) {
   EXPECT_EQ(edit.notes[0].get<std::string>("version"), "0.0.9");
   EXPECT_EQ(edit.notes[0].get<std::int64_t>("methods"), other);
   EXPECT_EQ(edit.notes[0].get<std::int64_t>("current"), current_methods);
-  EXPECT_EQ(run_edit(edit, {.estimate_condition = false}).report.notes.size(), 1U);
+  EXPECT_EQ(run_edit(edit).report.notes.size(), 1U);
   EXPECT_EQ(graft_with("{}", "", made_with(other)).notes.size(), 1U);
 }
 
@@ -141,7 +141,7 @@ TEST(MadeWith, AsPublishedGivesNone) {
   EXPECT_TRUE(graft_with(R"({"preset": "as-published"})", "", other).notes.empty());
   EXPECT_EQ(bend_with(R"({"preset": "as-published", "method": "corotational"})", other).notes.size(), 1U);
   EXPECT_EQ(graft_with(R"({"preset": "as-published"})", R"("shape": "similar",)", other).notes.size(), 1U);
-  const RunOptions published{.overrides = {.preset = Preset::as_published}, .estimate_condition = false};
+  const RunOptions published{.overrides = {.preset = Preset::as_published}};
   EXPECT_TRUE(run_edit(bend_with("{}", other), published).report.notes.empty());
 }
 

@@ -28,7 +28,7 @@ struct SettingsOverrides {
 
 struct RunOptions {
   SettingsOverrides overrides;
-  bool estimate_condition = true;  ///< costs a few solves
+  bool estimate_condition = false;  ///< costs up to ten solves
   /// Memory that a solve may take, bytes. A region that needs more is solved on a decimated proxy, and a note
   /// reports that. Absent: the memory that the machine and the limits of the process allow.
   std::optional<std::uint64_t> memory{};
