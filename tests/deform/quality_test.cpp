@@ -309,6 +309,34 @@ TEST(Quality, OnlyWhatTouchesFreeVerticesMatters) {
   EXPECT_LT(nothing_free.area_ratio, 1);
 }
 
+TEST(Quality, OnlyAreaAndVolumeDependOnFacesFarAway) {
+  const Surface ring = torus(60, 18);
+  std::vector<Index> free;  // columns 28 … 31, at the other side of the ring than its first vertex
+  for (Index v = 28 * 18; v < 32 * 18; ++v) free.push_back(v);
+  Points edited = ring.positions;
+  for (const Index v : free) edited.row(v) += Eigen::RowVector3d(0, 0.1 * std::sin(v), 0.2 * std::cos(3 * v));
+  const Quality whole = measure_quality({ring.positions, edited, ring.triangles, free});
+  ASSERT_GT(whole.dihedral_max_deg, 1);
+  ASSERT_TRUE(whole.volume_ratio);
+
+  // The ring without the faces of its first column, and what of it shares a vertex with a free face.
+  const Triangles open = ring.triangles.bottomRows(ring.triangles.rows() - 36);
+  const Triangles near = ring.triangles.middleRows(26 * 36, 8 * 36);
+  for (const Triangles& part : {open, near}) {
+    const Quality q = measure_quality({ring.positions, edited, part, free});
+    EXPECT_FALSE(q.volume_ratio);
+    EXPECT_NE(q.area_ratio, whole.area_ratio);
+    EXPECT_NEAR(q.area_ratio_free, whole.area_ratio_free, 1e-12);
+    EXPECT_NEAR(q.edge_rms, whole.edge_rms, 1e-12);
+    EXPECT_NEAR(q.dihedral_p50_deg, whole.dihedral_p50_deg, 1e-9);
+    EXPECT_NEAR(q.dihedral_p99_deg, whole.dihedral_p99_deg, 1e-9);
+    EXPECT_NEAR(q.rim_jump_max_deg, whole.rim_jump_max_deg, 1e-9);
+    EXPECT_EQ(q.flipped_faces, whole.flipped_faces);
+    EXPECT_EQ(q.new_self_intersections, whole.new_self_intersections);
+    for (std::size_t k = 0; k < 7; ++k) EXPECT_NEAR(sigmas(q)[k], sigmas(whole)[k], 1e-12);
+  }
+}
+
 TEST(Quality, AFoldAlongARimIsAJump) {
   const Surface flat = folded_strip({0, 0, 0, 0, 0});
   std::vector<Index> free;  // columns 3 … 6; no vertex of the fold along column 2 is free

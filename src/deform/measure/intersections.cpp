@@ -187,7 +187,7 @@ class FreeSurface {
   const Points& points_;
   const Triangles& triangles_;
   std::vector<Index> free_;          // triangles with area and a free vertex
-  std::vector<Index> others_;        // triangles without a free vertex, of any area
+  std::vector<Index> others_;        // triangles of any area without a free vertex, within the box of `free_`
   std::optional<Bvh> tree_;          // hierarchy over `free_`
   double rounding_ = 0;              // bound for heights of free triangles
   mutable std::vector<Slab> slabs_;  // per node of the tree; made when first needed
@@ -200,24 +200,25 @@ FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::
   const Flags vertex_is_free = flag_free(points.rows(), free_vertices);
   require_vertices(triangles, points.rows());
   const auto count = static_cast<std::size_t>(triangles.rows());
-  enum class Part : char { none, free, other };
-  std::vector<Part> parts(count, Part::none);
-  parallel_blocks(
-      count,
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          const Vertices v = vertices_of(triangles, static_cast<Index>(k));
-          if (!vertex_is_free[v[0]] && !vertex_is_free[v[1]] && !vertex_is_free[v[2]])
-            parts[k] = Part::other;
-          else if (has_area(corners_of(points, v)))
-            parts[k] = Part::free;
-        }
-      },
-      context, 4096);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (parts[k] == Part::free) free_.push_back(static_cast<Index>(k));
-    if (parts[k] == Part::other) others_.push_back(static_cast<Index>(k));
-  }
+  const auto is_free = [&](const Vertices& v) {
+    return vertex_is_free[v[0]] || vertex_is_free[v[1]] || vertex_is_free[v[2]];
+  };
+  // Returns the triangles that satisfy `belongs`, ascending.
+  const auto triangles_where = [&](const auto& belongs) {
+    Flags flags(count, 0);
+    parallel_blocks(
+        count,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k)
+            flags[k] = belongs(vertices_of(triangles, static_cast<Index>(k)));
+        },
+        context, 4096);
+    std::vector<Index> found;
+    for (std::size_t k = 0; k < count; ++k)
+      if (flags[k]) found.push_back(static_cast<Index>(k));
+    return found;
+  };
+  free_ = triangles_where([&](const Vertices& v) { return is_free(v) && has_area(corners_of(points, v)); });
   std::vector<BoundingBox> boxes(free_.size());
   parallel_blocks(
       boxes.size(),
@@ -227,6 +228,9 @@ FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::
       },
       context, 4096);
   tree_.emplace(boxes, context);
+  const BoundingBox& around = tree_->box(Bvh::root);
+  others_ = triangles_where(
+      [&](const Vertices& v) { return !is_free(v) && around.overlaps(box_of(corners_of(points, v))); });
   rounding_ = rounding_of_heights(tree_->box(Bvh::root));
 }
 

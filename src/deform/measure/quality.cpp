@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -36,6 +37,9 @@ struct Pose {
     return (positions.row(to) - positions.row(from)).transpose() * scale;
   }
   Vector3d centred(Index vertex) const { return (positions.row(vertex).transpose() - centre) * scale; }
+
+  // Returns the pose of a part of the surface, in the units of the whole.
+  Pose of_part(const Points& part) const { return {part, centre, scale, resolution}; }
 };
 
 struct Box {
@@ -121,6 +125,117 @@ std::array<double, 2> singular_values(const TriangleEdges& rest, const TriangleE
   const double q = std::hypot((a + d) / 2, b / 2);
   const double r = std::hypot((a - d) / 2, b / 2);
   return {q + r, std::abs(q - r)};
+}
+
+// Sums over all faces with finite coordinates.
+struct WholeSums {
+  double rest_area = 0, edited_area = 0, rest_cone = 0, edited_cone = 0;
+  bool finite = true;  // no face is left out
+
+  void add(const FaceShape& rest, const FaceShape& edited) {
+    if (!rest.finite || !edited.finite) {
+      finite = false;
+      return;
+    }
+    rest_area += rest.area;
+    edited_area += edited.area;
+    rest_cone += rest.cone;
+    edited_cone += edited.cone;
+  }
+  void add(const WholeSums& other) {
+    rest_area += other.rest_area;
+    edited_area += other.edited_area;
+    rest_cone += other.rest_cone;
+    edited_cone += other.edited_cone;
+    finite &= other.finite;
+  }
+};
+
+// Sums up blocks of a fixed size, so that the result does not depend on the number of threads.
+WholeSums sum_over_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
+                         const Context& context) {
+  constexpr std::size_t block_size = 4096;
+  const auto count = static_cast<std::size_t>(triangles.rows());
+  std::vector<WholeSums> blocks((count + block_size - 1) / block_size);
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b)
+          for (std::size_t f = b * block_size; f < std::min(count, (b + 1) * block_size); ++f) {
+            const auto row = triangles.row(static_cast<Eigen::Index>(f));
+            const std::array<Index, 3> v{row[0], row[1], row[2]};
+            blocks[b].add(measure_shape(rest, v, triangle_edges(rest, v)),
+                          measure_shape(edited, v, triangle_edges(edited, v)));
+          }
+      },
+      context, 1);
+  WholeSums sums;
+  for (const WholeSums& block : blocks) sums.add(block);
+  return sums;
+}
+
+// The part of the surface whose faces and edges are measured one by one: the faces that share a vertex with a
+// free face. Vertices and faces keep their order, and an edge of a free face has all its faces.
+struct NearFaces {
+  Points rest, edited;
+  Triangles triangles;
+  Flags is_free;  // per vertex
+};
+
+// Returns for each face whether one of its vertices is flagged.
+Flags flag_faces(const Triangles& triangles, const Flags& vertices, const Context& context) {
+  Flags faces(triangles.rows(), 0);
+  parallel_blocks(
+      faces.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+          const auto v = triangles.row(static_cast<Eigen::Index>(f));
+          faces[f] = vertices[v[0]] || vertices[v[1]] || vertices[v[2]];
+        }
+      },
+      context, 4096);
+  return faces;
+}
+
+// Returns the vertices of the flagged faces as flags.
+Flags flag_corners(const Triangles& triangles, const Flags& faces, Eigen::Index vertex_count) {
+  Flags corners(vertex_count, 0);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (!faces[f]) continue;
+    for (const Index v : triangles.row(static_cast<Eigen::Index>(f))) corners[v] = 1;
+  }
+  return corners;
+}
+
+NearFaces near_faces(const EditedMesh& mesh, const Flags& is_free, const Context& context) {
+  const Triangles& triangles = mesh.triangles;
+  const Eigen::Index vertex_count = mesh.rest.rows();
+  const Flags corners_of_free = flag_corners(triangles, flag_faces(triangles, is_free, context), vertex_count);
+  const Flags is_near = flag_faces(triangles, corners_of_free, context);
+  const Flags used = flag_corners(triangles, is_near, vertex_count);
+
+  NearFaces near;
+  const Eigen::Index near_vertices = std::count(used.begin(), used.end(), char{1});
+  near.rest.resize(near_vertices, 3);
+  near.edited.resize(near_vertices, 3);
+  near.is_free.resize(near_vertices);
+  std::vector<Index> number(vertex_count, -1);
+  Index next = 0;
+  for (Eigen::Index v = 0; v < vertex_count; ++v) {
+    if (!used[v]) continue;
+    near.rest.row(next) = mesh.rest.row(v);
+    near.edited.row(next) = mesh.edited.row(v);
+    near.is_free[next] = is_free[v];
+    number[v] = next++;
+  }
+  near.triangles.resize(std::count(is_near.begin(), is_near.end(), char{1}), 3);
+  Eigen::Index row = 0;
+  for (std::size_t f = 0; f < is_near.size(); ++f) {
+    if (!is_near[f]) continue;
+    for (int c = 0; c < 3; ++c) near.triangles(row, c) = number[triangles(static_cast<Eigen::Index>(f), c)];
+    ++row;
+  }
+  return near;
 }
 
 struct FaceMeasure {
@@ -214,36 +329,49 @@ std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited,
   return measures;
 }
 
-void report_areas(const std::vector<FaceMeasure>& faces, Quality& quality) {
-  double rest = 0, edited = 0, rest_free = 0, edited_free = 0;
+void report_areas(const WholeSums& whole, const std::vector<FaceMeasure>& faces, Quality& quality) {
+  double rest_free = 0, edited_free = 0;
   for (const FaceMeasure& face : faces) {
-    if (!face.finite()) continue;
-    rest += face.rest.area;
-    edited += face.edited.area;
-    if (!face.free) continue;
+    if (!face.finite() || !face.free) continue;
     rest_free += face.rest.area;
     edited_free += face.edited.area;
   }
-  if (rest > 0) quality.area_ratio = edited / rest;
+  if (whole.rest_area > 0) quality.area_ratio = whole.edited_area / whole.rest_area;
   if (rest_free > 0) quality.area_ratio_free = edited_free / rest_free;
 }
 
+// Returns whether as many faces run along each edge one way as the other, and there is an edge.
+bool is_closed_and_oriented(const Triangles& triangles, const IndexLists& faces_around,
+                            const Context& context) {
+  std::atomic<bool> balanced = true, has_edges = false;
+  parallel_blocks(
+      faces_around.size(),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> ahead, behind;  // the larger ends of edges from and to a vertex
+        for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end) && balanced; ++v) {
+          ahead.clear();
+          behind.clear();
+          for (const Index f : faces_around[v]) {
+            const int c = triangles(f, 0) == v ? 0 : triangles(f, 1) == v ? 1 : 2;
+            const Index next = triangles(f, (c + 1) % 3), previous = triangles(f, (c + 2) % 3);
+            if (next == v || previous == v || next == previous) continue;  // has no edges
+            if (next > v) ahead.push_back(next);
+            if (previous > v) behind.push_back(previous);
+          }
+          std::sort(ahead.begin(), ahead.end());
+          std::sort(behind.begin(), behind.end());
+          if (ahead != behind) balanced = false;
+          if (!ahead.empty()) has_edges = true;
+        }
+      },
+      context, 4096);
+  return balanced && has_edges;
+}
+
 // The volume is the sum of the cones over all faces, for any common apex (divergence theorem).
-void report_volume(const Pose& rest_pose, const std::vector<FaceMeasure>& faces,
-                   const std::vector<TriangleEdge>& edges, Quality& quality) {
-  const bool finite = std::all_of(faces.begin(), faces.end(), [](const auto& face) { return face.finite(); });
-  const bool closed = !edges.empty() && std::all_of(edges.begin(), edges.end(), [](const TriangleEdge& edge) {
-    return edge.is_balanced();
-  });
-  if (!finite || !closed) return;
-  double rest = 0, edited = 0, rest_area = 0;
-  for (const FaceMeasure& face : faces) {
-    rest += face.rest.cone;
-    edited += face.edited.cone;
-    rest_area += face.rest.area;
-  }
-  const bool encloses_volume = std::abs(rest) > rest_pose.resolution * rest_area;
-  if (encloses_volume) quality.volume_ratio = edited / rest;
+void report_volume(const WholeSums& whole, double resolution, Quality& quality) {
+  const bool encloses_volume = std::abs(whole.rest_cone) > resolution * whole.rest_area;
+  if (encloses_volume) quality.volume_ratio = whole.edited_cone / whole.rest_cone;
 }
 
 void report_stretch(const std::vector<FaceMeasure>& faces, Quality& quality) {
@@ -322,18 +450,26 @@ Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, c
   require_same_vertices(rest, edited);
   const Flags is_free = flag_free(rest.rows(), mesh.free_vertices);
   const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
-  const auto [rest_pose, edited_pose] = make_poses(rest, edited, faces_around);
-  const std::vector<FaceMeasure> faces = measure_faces(rest_pose, edited_pose, triangles, is_free, context);
-  const std::vector<TriangleEdge> edges = list_edges(triangles, faces_around);
+  const auto [rest_whole, edited_whole] = make_poses(rest, edited, faces_around);
+  const WholeSums whole = sum_over_faces(rest_whole, edited_whole, triangles, context);
+  const bool closed = whole.finite && is_closed_and_oriented(triangles, faces_around, context);
+
+  const NearFaces near = near_faces(mesh, is_free, context);
+  const Pose rest_pose = rest_whole.of_part(near.rest), edited_pose = edited_whole.of_part(near.edited);
+  const IndexLists near_around =
+      vertex_triangles(static_cast<Index>(near.rest.rows()), near.triangles, context);
+  const std::vector<FaceMeasure> faces =
+      measure_faces(rest_pose, edited_pose, near.triangles, near.is_free, context);
+  const std::vector<TriangleEdge> edges = list_edges(near.triangles, near_around);
   const std::vector<EdgeMeasure> edge_measures =
-      measure_edges(rest_pose, edited_pose, edges, faces, is_free, context);
+      measure_edges(rest_pose, edited_pose, edges, faces, near.is_free, context);
 
   Quality quality;
-  report_areas(faces, quality);
-  report_volume(rest_pose, faces, edges, quality);
+  report_areas(whole, faces, quality);
+  if (closed) report_volume(whole, rest_whole.resolution, quality);
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
-  count_flipped(faces, triangles, faces_around, context, quality);
+  count_flipped(faces, near.triangles, near_around, context, quality);
   const Narrowest narrowest = find_narrowest(mesh, is_free, context);
   quality.width_min = narrowest.width;
   quality.narrowest_vertex = narrowest.vertex;
