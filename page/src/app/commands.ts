@@ -77,17 +77,17 @@ function fileCommands({ editor, page }: CommandContext): Command[] {
     },
     {
       id: "save", group: "file", label: "Save", keys: ["ctrl+S"],
-      help: "Saves the edit: what was done, without the mesh.",
+      help: "Saves your steps as an edit file, without the mesh.",
       run: () => page.save(), enabled: isOpen,
     },
     {
       id: "save-as", group: "file", label: "Save as…", keys: ["ctrl+shift+S"],
-      help: "Saves the edit, or the mesh, where you say.",
+      help: "Saves your steps under another name or in another folder.",
       run: () => page.saveAs(), enabled: isOpen,
     },
     {
       id: "export", group: "file", label: "Export mesh…", keys: ["ctrl+E"],
-      help: "Writes the deformed mesh to a file.",
+      help: "Writes the edited mesh to a file.",
       run: () => page.exportMesh(), enabled: isOpen,
     },
   ];
@@ -99,57 +99,57 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
   return [
     {
       id: "undo", group: "edit", label: "Undo", keys: ["ctrl+Z"], repeats: true,
-      help: "Takes back the last change.",
+      help: "Undoes the last change.",
       run: () => tools.cancelGesture() || void editor.undoOrRedo("undo"),
       enabled: () => (state.value?.undo ?? null) !== null,
     },
     {
       id: "redo", group: "edit", label: "Redo", keys: ["ctrl+shift+Z", "ctrl+Y"], repeats: true,
-      help: "Does again what was taken back.",
+      help: "Redoes the change that was undone.",
       run: () => tools.cancelGesture() || void editor.undoOrRedo("redo"),
       enabled: () => (state.value?.redo ?? null) !== null,
     },
     {
       id: "accept", group: "edit", label: "Accept step", keys: ["ctrl+Enter"],
-      help: "Keeps this deformation and starts the next one on its shape.",
+      help: "Finishes this step. The next one starts from its result.",
       run: () => void (editor.graft.kept.value === undefined ? editor.ask({ do: "accept" }) : editor.graft.accept()),
       enabled: () =>
         editor.graft.kept.value === undefined ? hasHandles() : editor.graft.report.value?.error === undefined,
     },
     {
       id: "done", group: "edit", label: "Done", keys: [],
-      help: "Hands the mesh back to the program that opened the editor.",
+      help: "Returns the mesh to the program that opened the editor.",
       run: () => void editor.done(), enabled: () => editor.isWaitedFor.value && editor.isOpen.value,
     },
     {
       id: "confirm", group: "edit", label: "Confirm", keys: ["Enter"],
-      help: "Ends the gesture, or the curve, as it is.",
+      help: "Finishes the current move, or closes the curve.",
       run: () => tools.confirm(), enabled: () => tools.canConfirm(),
     },
     {
-      id: "escape", group: "edit", label: "One step back", keys: ["Escape"],
-      help: "Leaves the gesture as it was, then messages, then the handle, then the tool.",
+      id: "escape", group: "edit", label: "Escape: up one level", keys: ["Escape"],
+      help: "Cancels the current move; then closes messages, deselects the handle, and leaves the tool.",
       run: () => void (tools.cancelGesture() || editor.dismissMessages() || tools.escape()), enabled: () => true,
     },
     {
       id: "help", group: "help", label: "Help", keys: ["?", "F1"],
-      help: "All keys, and a short tour.",
+      help: "Shortcuts and a short tour.",
       run: () => page.help(), enabled: () => true,
     },
   ];
 }
 
 const toolTable: readonly [ToolName, string, string, string][] = [
-  ["navigate", "Look around", "Q", "A drag turns the view; a click on a handle picks it up."],
-  ["handle", "Handle", "H", "Paint what you want to hold; then move, turn and scale it."],
-  ["vertex", "Point handle", "P", "Click a vertex to hold it."],
-  ["curve", "Curve handle", "U", "Click points; the curve follows the edges between. Enter ends it."],
-  ["brush", "Brush", "B", "Paint a selection. [ and ] change its size."],
+  ["navigate", "Navigate", "Q", "Drag to orbit; click a handle to make it active."],
+  ["handle", "Handle", "H", "Paint the area to move, then move, rotate and scale it."],
+  ["vertex", "Point handle", "P", "Click a vertex to make it a handle."],
+  ["curve", "Curve handle", "U", "Click points; the curve follows the edges between them. Enter finishes it."],
+  ["brush", "Brush", "B", "Paint a selection. [ and ] change the size of the brush."],
   ["lasso", "Lasso", "L", "Draw around what you want to select."],
   ["box", "Box", "M", "Drag a rectangle around what you want to select."],
-  ["connected", "Connected part", "C", "Click to select all that is connected."],
-  ["loop", "Boundary loop", "O", "Click near a hole to select its boundary."],
-  ["flood", "Flood", "W", "Click to select up to the next crease."],
+  ["connected", "Connected", "C", "Click to select everything connected."],
+  ["loop", "Boundary loop", "O", "Click near a hole to select its boundary loop."],
+  ["flood", "Flood fill", "W", "Click to select up to the next crease."],
 ];
 
 function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
@@ -161,17 +161,17 @@ function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
     })),
     {
       id: "brush-smaller", group: "tool", label: "Smaller brush", keys: ["["], repeats: true,
-      help: "Alt and the wheel change the size, too.",
+      help: "Alt+wheel changes the size, too.",
       run: () => tools.resizeBrush(1 / 1.15), enabled,
     },
     {
       id: "brush-larger", group: "tool", label: "Larger brush", keys: ["]"], repeats: true,
-      help: "Alt and the wheel change the size, too.",
+      help: "Alt+wheel changes the size, too.",
       run: () => tools.resizeBrush(1.15), enabled,
     },
     {
-      id: "through", group: "tool", label: "Through", keys: ["T"],
-      help: "Selects what lies behind and is hidden, too.",
+      id: "through", group: "tool", label: "Select through", keys: ["T"],
+      help: "Also selects what is hidden behind the front.",
       run: () => (settings.through.value = !settings.through.value), enabled, active: () => settings.through.value,
     },
   ];
@@ -193,13 +193,13 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
       run: () => select({ how: "set", what: "all" }), enabled: isOpen,
     },
     {
-      id: "select-none", group: "select", label: "Select nothing", keys: ["alt+A", "shift+A"],
-      help: "Selects nothing.",
+      id: "select-none", group: "select", label: "Deselect all", keys: ["alt+A", "shift+A"],
+      help: "Clears the selection.",
       run: () => select({ how: "set", what: { indices: [] } }), enabled: some,
     },
     {
       id: "select-invert", group: "select", label: "Invert", keys: ["I", "ctrl+I"],
-      help: "Selects what is not selected, and nothing else.",
+      help: "Swaps what is selected and what is not.",
       run: () => select({ how: "invert" }), enabled: isOpen,
     },
     {
@@ -209,12 +209,12 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
     },
     {
       id: "select-shrink", group: "select", label: "Shrink", keys: ["-", "ctrl+-"], repeats: true,
-      help: "Takes the outermost ring of vertices away.",
+      help: "Removes the outermost ring of vertices.",
       run: () => grow(-1), enabled: some,
     },
     {
       id: "make-handle", group: "select", label: "Make handle", keys: ["shift+H"],
-      help: "Holds the selected vertices.",
+      help: "Makes a handle of the selected vertices.",
       run: () => tools.handleFromSelection(), enabled: onModel,
     },
     {
@@ -237,85 +237,85 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
   const several = () => (editor.state.value?.handles.length ?? 0) > 0;
   const gesture = (kind: "move" | "turn" | "scale", label: string, key: string): Command => ({
     id: kind, group: "handle", label, keys: [key],
-    help: `${label} with the pointer; X, Y or Z keeps to an axis; type a number; Enter or a click ends.`,
+    help: `${label} with the pointer. X, Y or Z locks to an axis; type a number for an exact value; Enter or a click confirms.`,
     run: () => tools.beginGesture(kind), enabled: active,
   });
   return [
     gesture("move", "Move", "G"),
-    gesture("turn", "Turn", "R"),
+    gesture("turn", "Rotate", "R"),
     gesture("scale", "Scale", "S"),
     {
       id: "pivot", group: "handle", label: "Move pivot", keys: ["D"],
-      help: "Drag the point that turning and scaling keep.",
+      help: "Drag the point about which the handle rotates and scales.",
       run: () => tools.togglePivot(), enabled: active, active: () => settings.movesPivot.value,
     },
     {
-      id: "pivot-reset", group: "handle", label: "Pivot back to the boundary", keys: ["shift+D"],
-      help: "Puts the pivot to the centre of the handle's boundary.",
+      id: "pivot-reset", group: "handle", label: "Reset pivot", keys: ["shift+D"],
+      help: "Moves the pivot to the centre of the handle's boundary.",
       run: () => tools.resetPivot(), enabled: active,
     },
     {
       id: "gizmo-space", group: "handle", label: "Local axes", keys: ["K"],
-      help: "The arrows follow the handle's turn, or the world's axes.",
+      help: "The gizmo follows the handle's own axes, or the world's.",
       run: () => (settings.gizmoSpace.value = settings.gizmoSpace.value === "local" ? "world" : "local"),
       enabled: () => editor.isOpen.value, active: () => settings.gizmoSpace.value === "local",
     },
     {
       id: "snap", group: "handle", label: "Snap", keys: ["shift+S"],
-      help: "Moves, turns and scales in steps. Ctrl does so for one drag.",
+      help: "Moves, rotates and scales in steps. Hold Ctrl to snap one drag.",
       run: () => (settings.snap.value = !settings.snap.value),
       enabled: () => editor.isOpen.value, active: () => settings.snap.value,
     },
     {
-      id: "reset-pose", group: "handle", label: "Put handle back", keys: ["alt+G"],
-      help: "The handle goes back to where the step found it.",
+      id: "reset-pose", group: "handle", label: "Reset handle", keys: ["alt+G"],
+      help: "Returns the handle to where it was at the start of the step.",
       run: () => tools.resetPose(), enabled: active,
     },
     {
       id: "symmetry", group: "handle", label: "Symmetry", keys: ["Y"],
-      help: "What is done on one side of a plane is done on the other, too.",
+      help: "Mirrors every edit across a plane.",
       run: () => void editor.setSymmetry(!isSymmetric()),
       enabled: () => editor.isOpen.value, active: isSymmetric,
     },
     {
       id: "remove-handle", group: "handle", label: "Remove handle", keys: ["Delete", "Backspace"],
-      help: "Lets go of these vertices.",
+      help: "Removes the handle. The mesh keeps its vertices.",
       run: () => tools.removeHandle(), enabled: active,
     },
     {
       id: "next-handle", group: "handle", label: "Next handle", keys: ["N"],
-      help: "The next handle becomes the active one.",
+      help: "Makes the next handle active.",
       run: () => tools.stepHandle(1), enabled: several,
     },
     {
-      id: "previous-handle", group: "handle", label: "Handle before", keys: ["shift+N"],
-      help: "The handle before becomes the active one.",
+      id: "previous-handle", group: "handle", label: "Previous handle", keys: ["shift+N"],
+      help: "Makes the previous handle active.",
       run: () => tools.stepHandle(-1), enabled: several,
     },
   ];
 }
 
 const sides: readonly [AxisView, string, string][] = [
-  ["front", "From the front", "Num1"],
-  ["back", "From behind", "ctrl+Num1"],
-  ["right", "From the right", "Num3"],
-  ["left", "From the left", "ctrl+Num3"],
-  ["top", "From above", "Num7"],
-  ["bottom", "From below", "ctrl+Num7"],
+  ["front", "Front view", "Num1"],
+  ["back", "Back view", "ctrl+Num1"],
+  ["right", "Right view", "Num3"],
+  ["left", "Left view", "ctrl+Num3"],
+  ["top", "Top view", "Num7"],
+  ["bottom", "Bottom view", "ctrl+Num7"],
 ];
 
 function viewCommands({ editor, view, viewport }: CommandContext): Command[] {
   const enabled = () => editor.isOpen.value;
   return [
     {
-      id: "before", group: "view", label: "Before", keys: ["\\", "`"],
-      help: "Shows the mesh as the step found it, while the key is down.",
+      id: "before", group: "view", label: "Show before", keys: ["\\", "`"],
+      help: "Shows the mesh as it was before this step, while the key is held.",
       run: () => (view.before.value = true), release: () => (view.before.value = false),
       enabled, active: () => view.before.value,
     },
     {
       id: "fit", group: "view", label: "Fit", keys: ["F", "Num."],
-      help: "Frames the handle, the selection or everything.",
+      help: "Frames the active handle, the selection, or everything.",
       run: () => viewport.fit(viewport.inFocus() ?? "all"), enabled,
     },
     {
@@ -324,17 +324,17 @@ function viewCommands({ editor, view, viewport }: CommandContext): Command[] {
       run: () => viewport.fit("all"), enabled,
     },
     ...sides.map(([side, label, key]): Command => ({
-      id: `look-${side}`, group: "view", label, keys: [key], help: `Looks at the model ${label.toLowerCase()}.`,
+      id: `look-${side}`, group: "view", label, keys: [key], help: `Shows the model from the ${side}.`,
       run: () => viewport.lookFrom(side), enabled,
     })),
     {
-      id: "projection", group: "view", label: "Parallel projection", keys: ["Num5", "5"],
-      help: "With perspective, or without.",
+      id: "projection", group: "view", label: "Orthographic", keys: ["Num5", "5"],
+      help: "Switches between perspective and orthographic.",
       run: () => viewport.toggleProjection(), enabled,
     },
     {
       id: "wireframe", group: "view", label: "Wireframe", keys: ["Z"],
-      help: "Draws the edges of the mesh.",
+      help: "Shows the edges of the mesh.",
       run: () => (view.wireframe.value = !view.wireframe.value), enabled, active: () => view.wireframe.value,
     },
   ];

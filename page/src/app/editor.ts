@@ -10,9 +10,9 @@ import { Library } from "./library";
 import { baseName, folderOf } from "./paths";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
-import { mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
+import { asPercent, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
-import { counted, unitsOfFiles } from "./units";
+import { counted, formatNumber, unitsOfFiles } from "./units";
 import type { ViewSettings } from "./view_settings";
 import {
   fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
@@ -29,8 +29,18 @@ export interface Message {
   told: Told;
   /** The request that was refused. The message is removed once a request of this kind succeeds. */
   of?: PageRequest["do"] | "live" | undefined;
+  /** What it is about. A later message on the same topic takes its place; without a topic it stands beside others. */
+  topic?: string | undefined;
   /** A remedy, offered as a button. */
   offer?: { label: string; run: () => void } | undefined;
+}
+
+/** Returns the messages with one more. It takes the place of one that says the same or is on the same topic. */
+export function withMessage(messages: readonly Message[], message: Message): readonly Message[] {
+  const isSame = ({ told }: Message) => told.problem === message.told.problem && told.location === message.told.location;
+  if (messages.some(isSame)) return messages;
+  const topicOf = ({ topic, of }: Message) => topic ?? of;
+  return [...messages.filter((other) => topicOf(other) === undefined || topicOf(other) !== topicOf(message)), message];
 }
 
 /** A document that will replace the open one. */
@@ -41,9 +51,9 @@ export interface PendingOpen {
 
 const noAnswer: PageError = {
   code: "io",
-  problem: "the engine does not answer",
+  problem: "meshgraft does not answer",
   location: "",
-  remedy: "Look whether `meshgraft edit` still runs; this page connects again by itself.",
+  remedy: "Check that `meshgraft edit` is still running; this page reconnects by itself.",
 };
 
 const fileRequests: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
@@ -157,7 +167,7 @@ export class Editor {
       for (const request of withTolerance(refused, tolerance, this.state.value?.symmetry?.plane))
         if ((await this.ask(request)) === undefined) return;
     };
-    return { label: `Use ${tolerance}`, run: () => void run() };
+    return { label: `Use ${formatNumber(asPercent(tolerance))} %`, run: () => void run() };
   }
   /** Turns symmetry on, across the middle of the model, or off. */
   async setSymmetry(on: boolean): Promise<void> {
@@ -344,10 +354,9 @@ export class Editor {
     if (this.messages.value.some(isOutdated))
       this.messages.value = this.messages.value.filter((message) => !isOutdated(message));
   }
-  tell(kind: Message["kind"], told: Told, more: Pick<Message, "of" | "offer"> = {}): void {
-    const isSame = (other: Told) => other.problem === told.problem && other.location === told.location;
-    if (this.messages.value.some((message) => isSame(message.told))) return;
-    this.messages.value = [...this.messages.value, { key: ++this.lastMessage, kind, told, ...more }];
+  tell(kind: Message["kind"], told: Told, more: Pick<Message, "of" | "topic" | "offer"> = {}): void {
+    const message = { key: ++this.lastMessage, kind, told, ...more };
+    this.messages.value = withMessage(this.messages.value, message);
   }
   note(problem: string, location = "", remedy = ""): void {
     this.tell("note", { problem, location, remedy });
@@ -359,7 +368,8 @@ export class Editor {
   /** Reports the files that were written and the engine's notes on them. */
   tellFiles(done: string, outcome: Outcome): void {
     const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
-    this.note(done, files.join("\n"), (outcome.notes ?? []).map(noteWords).join("\n"));
+    const remedy = (outcome.notes ?? []).map(noteWords).join("\n");
+    this.tell("note", { problem: done, location: files.join("\n"), remedy }, { topic: "written" });
   }
 
   // Reports on files that were opened or added as parts. A message that has a remedy stays until the user closes it.
@@ -453,7 +463,7 @@ export class Editor {
       const { value: opened } = this.opened;
       const to = state !== null && opened !== undefined ? this.requestToReopen(state, opened) : undefined;
       this.bringsBack.value = this.unsaved.value;
-      if (state !== null) this.reopening = { to, since: "The connection was lost, and is back." };
+      if (state !== null) this.reopening = { to, since: "Reconnected." };
       this.progress.value = new Map();
       void this.checkToken();
     }
@@ -478,7 +488,7 @@ export class Editor {
   private openAtStart(models: readonly string[]): void {
     const before = openBeforeReload();
     if (before === undefined) void this.openGiven(models);
-    else this.reopening = { to: before, since: "The page was loaded again." };
+    else this.reopening = { to: before, since: "The page was reloaded." };
   }
 
   // If all changes are saved, the edit file contains them. Otherwise the journal of the opened file does.
@@ -499,7 +509,7 @@ export class Editor {
   private async restoreAtOnce(offer: Event<"offer-restore">, since: string): Promise<void> {
     this.bringsBack.value = true;
     const done = await this.ask({ do: "restore" });
-    if (done !== undefined) this.note(since, "", `All ${counted(offer.changes, "change")} are here.`);
+    if (done !== undefined) this.note(since, "", `Restored ${counted(offer.changes, "change")}.`);
     else if (this.link.value === "open") this.offer.value = offer; // the message says why; the user may try again
   }
 

@@ -1,6 +1,6 @@
 import type { DocumentState, ProgressStage, ProgressTask, Accuracy, LiveStage } from "../protocol";
 import type { Event } from "./editor";
-import { inPanelWords } from "./wording";
+import { inPanelWords, sentence } from "./wording";
 
 export interface LiveWords {
   tone: "idle" | "busy" | "good" | "warning" | "problem";
@@ -10,20 +10,20 @@ export interface LiveWords {
 
 const accuracies: Record<Accuracy, [string, string]> = {
   proxy: ["Preview", "A simplified mesh stands in while the exact solution is prepared."],
-  reduced: ["Quick preview", "Good to some per cent; the exact shape follows when the handle rests."],
-  linear: ["Exact", "Each frame is exact, to rounding."],
+  reduced: ["Quick preview", "Accurate to a few per cent. The exact shape follows when you stop dragging."],
+  linear: ["Exact", "Every frame is exact."],
   exact: ["Exact", "Saving writes this shape."],
 };
 
 const stages: Record<LiveStage, [LiveWords["tone"], string, string]> = {
-  starting: ["busy", "Getting ready", "A first preview comes in a moment. You may drag already."],
-  preview: ["busy", "Preview; the exact shape is being prepared", "Drag as you like: it gets better by itself."],
-  exact: ["good", "Exact; making drags quicker", "The exact solution is there; quicker frames are being prepared."],
-  ready: ["good", "Ready", "All is prepared."],
+  starting: ["busy", "Getting ready", "A first preview follows in a moment. You can already drag."],
+  preview: ["busy", "Preview; preparing the exact shape", "You can already drag. The accuracy improves by itself."],
+  exact: ["good", "Exact; preparing faster dragging", "The exact solution is ready. Faster frames are being prepared."],
+  ready: ["good", "Ready", "Everything is prepared."],
   "proxy-only": [
     "warning",
     "Preview only",
-    "The exact solution does not fit into this machine's memory. Saving solves what is shown here. A smaller region helps.",
+    "The exact solution does not fit in this machine's memory. The preview is what is saved. A smaller region helps.",
   ],
   failed: ["problem", "Cannot be solved", "See the message."],
   closed: ["idle", "", ""],
@@ -33,12 +33,12 @@ const stages: Record<LiveStage, [LiveWords["tone"], string, string]> = {
 export function liveWords(state: DocumentState | null, live: Event<"live">): LiveWords {
   if (state === null) return { tone: "idle", text: "Nothing open", explained: "" };
   if (state.handles.length === 0)
-    return { tone: "idle", text: "No handle yet", explained: "Paint a handle to have something to pull by." };
+    return { tone: "idle", text: "No handle yet", explained: "Paint a handle, then drag its arrows." };
   if (state.counts === null)
     return { tone: "idle", text: "Nothing can move yet", explained: "The handle needs a region around it." };
   if (live.error !== undefined) {
     const { problem, remedy } = inPanelWords(live.error);
-    return { tone: "problem", text: problem, explained: remedy };
+    return { tone: "problem", text: "Cannot be solved", explained: [sentence(problem), remedy].filter((text) => text !== "").join(". ") };
   }
   const [tone, text, explained] = stages[live.stage ?? "starting"];
   const accuracy = live.accuracy === undefined ? undefined : accuracies[live.accuracy];
@@ -48,31 +48,31 @@ export function liveWords(state: DocumentState | null, live: Event<"live">): Liv
 
 /** Words for the stages of the engine's progress. */
 const progressStages: Record<ProgressStage, string> = {
-  analyse: "planning the solve",
+  analyse: "preparing the equations",
   assemble: "setting up the equations",
-  basis: "preparing quick frames",
+  basis: "preparing fast frames",
   check: "checking the mesh",
   cut: "cutting",
   decimate: "simplifying the mesh",
   factorise: "solving the equations",
   find_surface: "finding the surface",
   graft: "grafting",
-  intersections: "looking for intersections",
+  intersections: "finding self-intersections",
   iterate: "solving",
-  match: "matching the loops",
+  match: "finding the rotation",
   measure: "measuring the result",
   open: "opening a hole",
-  path: "finding the way along the surface",
+  path: "finding the path along the surface",
   read: "reading the file",
-  reduce: "preparing quick frames",
+  reduce: "preparing fast frames",
   refine: "refining the mesh",
   render: "making a picture",
   repair: "repairing the mesh",
-  rotations: "turning the details",
+  rotations: "rotating the details",
   seam: "making the seam",
-  select: "finding what is selected",
-  shape_triangles: "shaping triangles",
-  skin: "covering the surface",
+  select: "evaluating selections",
+  shape_triangles: "improving the triangles",
+  skin: "attaching the surface to the preview",
   solve: "solving",
   write: "writing the file",
 };

@@ -47,17 +47,17 @@ export const methods: readonly (Choice<MethodName> & { help: string })[] = [
   {
     value: "corotational",
     label: "Natural",
-    help: "Details turn with the surface and limbs keep their thickness. The best one for bending and dragging.",
+    help: "Details rotate with the surface, and limbs keep their thickness. Best for bending and dragging.",
   },
   {
     value: "rotation-aware",
-    label: "Smooth turns",
-    help: "Turns and scales of the handles spread evenly. For twists and bends as smooth as can be; moves shear.",
+    label: "Smooth rotation",
+    help: "Spreads rotation and scale of the handles evenly, for the smoothest twists and bends. Moves shear.",
   },
   {
     value: "ft05",
     label: "Linear",
-    help: "The paper's method (Fu & Tai 2005). The fastest to drag; for stretches, and for turns below some 40°.",
+    help: "The paper's method (Fu & Tai 2005). The fastest to drag; suits stretching, and rotations below about 40°.",
   },
 ];
 
@@ -65,7 +65,7 @@ export const methods: readonly (Choice<MethodName> & { help: string })[] = [
 export const preset = {
   value: "as-published",
   label: "As published",
-  help: "Solves as the paper of 2005 is written; its results never change. Other settings start anew, and may differ from it.",
+  help: "The method as published in 2005; its results never change. Replaces the settings, which you can then change.",
 };
 
 export function hasPreset(settings: Settings): boolean {
@@ -87,17 +87,17 @@ export const settingsTable: readonly Setting[] = [
   {
     key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", defaultValue: 0.05, published: 0.09, min: 0, max: 10,
     softMax: 1, applies: isCorotational,
-    help: "Keeps a bend from gathering in a crease: a length, × the width of the surface between the handles.",
+    help: "Spreads a bend that would crease. A length, relative to the width of the surface between the handles.",
   },
   {
     key: "laplacian_weight", kind: "number", label: "Detail weight", group: "shape", defaultValue: 20, published: 1, min: 0, max: 1e6,
     softMin: 0, softMax: 1000, logarithmic: true,
-    help: "Weight of the details' shape beside the smoothness of the bend. The paper has 1.",
+    help: "How strongly details keep their shape, compared with a smooth bend. The paper uses 1.",
   },
   {
     key: "iterations", kind: "number", label: "Iterations", group: "shape", more: true, defaultValue: 20, min: 0, max: 1000,
     softMax: 100, integer: true, applies: isCorotational,
-    help: "The most steps of the method; it stops by itself when the surface has settled.",
+    help: "Maximum number of iterations. It stops earlier when the surface has settled.",
   },
   {
     key: "laplacian_order", kind: "number", label: "Laplacian order", group: "shape", more: true, defaultValue: 1, min: 1,
@@ -106,16 +106,16 @@ export const settingsTable: readonly Setting[] = [
   {
     key: "weights", kind: "choice", label: "Weights", group: "surface", defaultValue: "uniform",
     choices: [{ value: "uniform", label: "Uniform" }, { value: "cotangent", label: "Cotangent" }],
-    help: "Uniform is safe on any triangles; cotangent follows their shapes.",
+    help: "Uniform suits all triangles; cotangent takes their shapes into account.",
   },
   {
     key: "density", kind: "choice", label: "Density", group: "surface", defaultValue: "aware", published: "ft05",
     choices: [{ value: "aware", label: "By area" }, { value: "ft05", label: "By vertex (paper)" }],
-    help: "By area, the same shape gives the same answer however finely it is triangulated.",
+    help: "By area, the result does not depend on how finely the surface is triangulated.",
   },
   {
     key: "weld", kind: "switch", label: "Weld seams", group: "surface", defaultValue: true,
-    help: "Boundary vertices at one place move as one. Switch it off where parts that touch shall come apart.",
+    help: "Boundary vertices at the same position move together. Switch off to let touching pieces separate.",
   },
   {
     key: "refine_boundary", kind: "choice", label: "Refine at handles", group: "surface", more: true, defaultValue: "auto", published: "0",
@@ -127,25 +127,25 @@ export const settingsTable: readonly Setting[] = [
       { value: "3", label: "3 times" },
       { value: "4", label: "4 times" },
     ],
-    help: "Halves the edges around handles for the solve: smoother there. Automatic: around single vertices and other "
-      + "handles without an inside. With a number, each drag is solved at its end only.",
+    help: "Subdivides the surface around handles for the solve, for a smoother result. Automatic: around single vertices and "
+      + "other handles without an inside. Otherwise drags are solved only when you release.",
   },
   {
-    key: "degenerate", kind: "choice", label: "Flat places", group: "flat", defaultValue: "auto", published: "ft05-noise",
+    key: "degenerate", kind: "choice", label: "Flat areas", group: "flat", defaultValue: "auto", published: "ft05-noise",
     choices: [
       { value: "auto", label: "Automatic" },
       { value: "apex", label: "Virtual apex" },
       { value: "ft05-noise", label: "Noise (paper)" },
     ],
-    help: "What is done where the surface is flat and has no details of its own to follow.",
+    help: "How areas without details of their own, which are flat, are solved.",
   },
   {
     key: "apex_height_rel", kind: "number", label: "Apex height", group: "flat", more: true, defaultValue: 0.5, min: 0.001,
-    max: 10, softMin: 0.05, softMax: 2, applies: usesApex, help: "× the mean length of the vertex's edges.",
+    max: 10, softMin: 0.05, softMax: 2, applies: usesApex, help: "Relative to the mean edge length at the vertex.",
   },
   {
     key: "noise_length_rel", kind: "number", label: "Noise length", group: "flat", more: true, defaultValue: 0.25, min: 0.001,
-    max: 10, softMin: 0.01, softMax: 1, applies: usesNoise, help: "× the mean length of the vertex's edges.",
+    max: 10, softMin: 0.01, softMax: 1, applies: usesNoise, help: "Relative to the mean edge length at the vertex.",
   },
   {
     key: "noise_lengths", kind: "choice", label: "Noise lengths", group: "flat", more: true, defaultValue: "equal", published: "random",
@@ -155,15 +155,15 @@ export const settingsTable: readonly Setting[] = [
   {
     key: "flatness", kind: "number", label: "Flatness", group: "flat", more: true, defaultValue: 5e-5, min: 0, max: 1,
     softMin: 1e-7, softMax: 1e-2, logarithmic: true,
-    help: "Below this a ring of neighbours counts as flat (ratio of eigenvalues).",
+    help: "A vertex counts as flat below this ratio of eigenvalues.",
   },
   {
     key: "seed", kind: "number", label: "Seed", group: "flat", more: true, defaultValue: 1, min: 0, max: 1e9, softMax: 100,
-    integer: true, applies: usesNoise, help: "Another number, another noise.",
+    integer: true, applies: usesNoise, help: "Changes the random noise.",
   },
   {
     key: "residual_corrections", kind: "number", label: "Corrections", group: "solver", more: true, defaultValue: 1, min: 0,
-    max: 10, integer: true, help: "Passes that take rounding errors out of the solution. 1 is enough nearly always.",
+    max: 10, integer: true, help: "Passes that remove rounding errors. 1 is nearly always enough.",
   },
   {
     key: "backend", kind: "choice", label: "Solver", group: "solver", more: true, defaultValue: "auto",
@@ -173,19 +173,19 @@ export const settingsTable: readonly Setting[] = [
       { value: "eigen", label: "Eigen" },
       { value: "iterative", label: "Iterative (little memory)" },
     ],
-    help: "What solves the equations. Automatic takes what fits the memory.",
+    help: "Solver for the equations. Automatic chooses one that fits in memory.",
   },
   {
     key: "proxy", kind: "number", label: "Proxy vertices", group: "solver", more: true, defaultValue: 0, min: 0, max: 1e7,
     softMax: 50000, integer: true,
-    help: "0: all is solved exactly. Else a simpler mesh of about so many vertices (50 at least) stands in for it.",
+    help: "0 solves the full mesh. Otherwise a simplified mesh with about this many vertices (at least 50) is solved.",
   },
 ];
 
 export const groupNames: Readonly<Record<Setting["group"], string>> = {
-  shape: "How it bends",
+  shape: "Shape",
   surface: "Surface",
-  flat: "Flat places",
+  flat: "Flat areas",
   solver: "Solver",
 };
 

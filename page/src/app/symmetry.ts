@@ -8,6 +8,14 @@ import { fieldsOf, type Failure } from "./wording";
  */
 export const mirrorTolerance = signal(1e-3);
 
+/** Returns a tolerance in per cent of the model's diagonal, as the panel shows it. */
+export function asPercent(tolerance_rel: number): number {
+  return Number((100 * tolerance_rel).toPrecision(12));
+}
+export function fromPercent(percent: number): number {
+  return Number((percent / 100).toPrecision(12));
+}
+
 /** Returns the tolerance that would suffice, if a failure names one. */
 export function sufficientTolerance(failure: Failure): number | undefined {
   const fields =

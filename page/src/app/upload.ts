@@ -12,22 +12,22 @@ const formats = [".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".3mf"];
 export function refusalOf(file: { name: string; size: number }): Told | undefined {
   if (file.size > uploadLimit)
     return {
-      problem: `The file has ${formatBytes(file.size)}; more than ${formatBytes(uploadLimit)} are not sent through the browser`,
+      problem: `The file has ${formatBytes(file.size)}; the browser can send up to ${formatBytes(uploadLimit)}`,
       location: file.name,
-      remedy: "Start the editor in the folder of the file, and open it from the list of files.",
+      remedy: "Start the editor in the folder of the file, and open it from there.",
     };
   if (file.size === 0) return { problem: "The file is empty", location: file.name, remedy: "" };
   if (file.name.toLowerCase().endsWith(".json"))
     return {
-      problem: "An edit file refers to models beside it, which the browser does not see",
+      problem: "An edit file needs the models beside it, which the browser cannot read",
       location: file.name,
-      remedy: "Open it from the list of files, or start the editor in its folder.",
+      remedy: "Open it under Folders, or start the editor in its folder.",
     };
   if (!formats.some((format) => file.name.toLowerCase().endsWith(format)))
     return {
       problem: "This kind of file cannot be opened",
       location: file.name,
-      remedy: `Models are ${formats.join(", ")}.`,
+      remedy: `Supported formats: ${formats.join(", ")}.`,
     };
   return undefined;
 }
@@ -54,7 +54,7 @@ export class Upload {
         reject({
           problem: "The file could not be sent",
           location: file.name,
-          remedy: "Look whether `meshgraft edit` still runs, and try again.",
+          remedy: "Check that `meshgraft edit` is still running, and try again.",
         });
       request.onabort = () => resolve(undefined);
       request.open("POST", engineUrl("upload", { token: this.token, name: file.name }));
@@ -69,7 +69,7 @@ export class Upload {
   private refused(): Told {
     const text = this.request.responseText.trim();
     return {
-      problem: text === "" ? `The engine refused the file (${this.request.status})` : text,
+      problem: text === "" ? `The file was refused (${this.request.status})` : text,
       location: this.file.name,
       remedy: "",
     };

@@ -96,11 +96,6 @@ function sideWord(side: "source" | "target"): string {
   return side === "source" ? "part" : "model";
 }
 
-/** Quotes a text so that a shell takes it as one word. */
-function shellWord(text: string): string {
-  return /^[\w./+,:@%-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
-}
-
 function loopSizes(loops: number, sizes: readonly number[]): string {
   const more = sizes.length < loops ? ["…"] : []; // the engine lists the first ones
   return `${counted(loops, "loop")} (of ${[...sizes, ...more].join(", ")} vertices)`;
@@ -116,8 +111,9 @@ function regionLacks(vertices: { lost: number; all: number }): string {
 }
 
 const otherPlane =
-  "The model is not the same on both sides of this plane. Move the plane or choose another axis, under Symmetry.";
-const turnInsideOut = "Switch on Turn part inside out, under More of the graft.";
+  "The model is not the same on both sides of this plane. Move the plane, or choose another axis, under Symmetry.";
+const turnInsideOut = "Switch on Flip normals of part, under More options.";
+const percent = (part: number) => `${formatNumber(100 * part)} %`;
 const elsewhere = "Drag it to another place.";
 const smallerOrProxy = "Choose a smaller region, or set Proxy vertices under More settings.";
 
@@ -128,28 +124,28 @@ const paths = { path: "path", closed_path: "closed path" };
 /** The page's words, where the engine's are not those of a window with panels. */
 const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "deform.axis_without_length": () => ({
-    problem: "the axis has no length, so there is nothing to turn about",
+    problem: "the rotation axis has no length",
     remedy: "Choose X, Y or Z, or type a direction such as 0, 0, 1.",
   }),
   "deform.component_held_by_positions": ({ count, vertex, shape }) => ({
-    problem: `the free component with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie ${together[shape]}, so it could still turn or shear`,
+    problem: `the free component with vertex ${vertex} (${counted(count, "vertex", "vertices")}) is held by points alone, which lie ${together[shape]}, so it could still rotate or shear`,
     remedy: "Paint a handle on it, select some of it and choose Make fixed, or add points until four are not in one plane.",
   }),
   "deform.component_not_held": ({ count, vertex }) => ({
     problem: `the free component with vertex ${vertex} (${counted(count, "vertex", "vertices")}) touches no handle and nothing that is fixed, so it could be anywhere`,
     remedy: "Paint a handle on it, select some of it and choose Make fixed, or take it out of the region.",
   }),
-  "deform.curve_not_affine": () => ({ problem: "a redrawn curve has no single move, turn and scale", remedy: "" }),
+  "deform.curve_not_affine": () => ({ problem: "a redrawn curve has no single move, rotation and scale", remedy: "" }),
   "deform.curve_too_short": ({ count, kind, needed }) => ({
     problem: `the ${curves[kind]} has ${counted(count, "vertex", "vertices")}; it needs ${needed}`,
   }),
   "deform.feature_not_linear": () => ({ remedy: "" }),
   "deform.features_not_reduced": () => ({ remedy: "" }),
   "deform.frames_not_linear": () => ({
-    problem: "frames of this method do not follow the handles linearly",
+    problem: "this method does not follow the handles linearly",
     remedy: "Choose the method Linear.",
   }),
-  "deform.handle_constrains_nothing": () => ({ problem: "the handle holds neither position nor turn" }),
+  "deform.handle_constrains_nothing": () => ({ problem: "the handle holds neither position nor rotation" }),
   "deform.no_proxy": ({ vertices }) => ({
     problem: `no simplified mesh of about ${counted(vertices, "vertex", "vertices")} can be solved for this region`,
     remedy: "Raise Proxy vertices under More settings, or set it to 0 to solve the surface itself.",
@@ -157,11 +153,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "deform.not_a_curve": () => ({ problem: "the handle is not a curve and cannot be redrawn" }),
   "deform.nothing_free": () => ({
     problem: "nothing is free to move",
-    remedy: "Make the region larger, or the handles and the fixed part smaller.",
+    remedy: "Make the region larger, or the handles and the fixed area smaller.",
   }),
   "deform.vertex_of_two_handles": ({ vertex, handle }) => ({ problem: `vertex ${vertex} is already part of “${handle}”` }),
   "select.path_crosses_itself": ({ vertex }) => ({
-    problem: `the curve comes back to vertex ${vertex}, where it has been`,
+    problem: `the curve passes vertex ${vertex} twice`,
     remedy: "Click points that lie apart, in order along the curve.",
   }),
   "select.path_too_short": ({ kind, needed, count }) => ({
@@ -170,33 +166,33 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "deform.solve_exceeds_memory": () => ({ remedy: smallerOrProxy }),
 
-  "editor.defects": ({ file, path, repaired }) => ({
-    problem: `the file ${file} has defects that editing may come upon`,
-    remedy: `This mends them: meshgraft repair ${shellWord(path)} -o ${shellWord(repaired)}`,
+  "editor.defects": ({ file }) => ({
+    problem: `the file ${file} has defects that can disturb editing`,
+    remedy: "The command meshgraft repair writes a repaired copy.",
   }),
-  "editor.edit_without_file": () => ({ remedy: "Choose Save as…." }),
-  "editor.faces_change": () => ({ remedy: "Export it without the switch As a morph target." }),
+  "editor.edit_without_file": () => ({ remedy: "Choose Save as…, in the menu at the top left." }),
+  "editor.faces_change": () => ({ remedy: "Switch off As a morph target." }),
   "editor.graft_side_missing": () => ({
-    problem: "a graft needs a part, and what the part is grafted onto",
+    problem: "a graft needs a part and a model",
     remedy: "Click a loop of the model and a loop of the part.",
   }),
   "editor.handle_without_reach": ({ handle }) => ({
     problem: `“${handle}” has no reach of its own`,
-    remedy: "Select what shall follow it, and choose Make region.",
+    remedy: "Select what should follow it, and choose Make region.",
   }),
   "editor.ended_in_step": ({ step }) => ({
     problem: `meshgraft ended while it ran step ${step}, so your work was restored up to the step before`,
-    remedy: "Go on from here, or undo once: that brings the left-out steps back and runs them again.",
+    remedy: "Continue from here, or undo once to bring the missing steps back and run them again.",
   }),
   "editor.journal_not_written": ({ reason }) => ({
-    problem: `changes can no longer be written to the disk as they are made: ${reason}`,
+    problem: `changes can no longer be saved to disk as you make them: ${reason}`,
   }),
   "editor.no_handle_in_step": ({ step, handle }) => ({ problem: `step ${step} has no handle named “${handle}”` }),
   "editor.no_part": () => ({ remedy: "Add one from the part library." }),
   "editor.no_pictures": () => ({ remedy: "" }),
   "editor.only_step": () => ({ remedy: "Change it, or undo it." }),
   "editor.part_unclear": ({ count }) => ({
-    problem: `there are ${counted(count, "part")}, and it is not clear which one to graft`,
+    problem: `it is unclear which of the ${counted(count, "part")} to graft`,
     remedy: "Click one under Parts, or click one of its loops.",
   }),
   "editor.size_not_shown": ({ file, reach, size, low, high }) => ({
@@ -204,16 +200,16 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: `Scale it to sizes between ${formatNumber(low, 3)} and ${formatNumber(high, 3)}.`,
   }),
   "editor.outside_folders": () => ({
-    remedy: "Drop the file on the window, or start the editor with its folder, too.",
+    remedy: "Drop the file on the window, or start the editor in its folder.",
   }),
   "editor.too_many_requests": () => ({
-    problem: "the engine has more to do than it can queue",
+    problem: "too many changes are waiting",
     remedy: "Wait a moment, and try again.",
   }),
 
   "io.other_format": ({ file, format, named }) => ({
     problem: `the file ${file} holds ${format}, not ${named}`,
-    remedy: `It was opened as what it is. An export under this name is written as ${named}.`,
+    remedy: `It was opened as ${format}. An export under this name is written as ${named}.`,
   }),
 
   "linalg.matrix_too_large": () => ({ remedy: smallerOrProxy }),
@@ -223,23 +219,23 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "linalg.not_positive_definite": () => ({
     problem: "the equations cannot be solved: they are not positive definite",
-    remedy: "Hold more of the surface, or choose another setting of Flat places, under More settings.",
+    remedy: "Hold more of the surface, or choose another setting of Flat areas, under More settings.",
   }),
   "linalg.operator_too_large": () => ({ remedy: smallerOrProxy }),
 
   "merge.bent_less": ({ normal_angle_deg }) => ({
-    problem: `the part's boundary turned inside out where it bends into the surface, so it bends less: a normal angle of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
+    problem: `the part's boundary turned inside out where it bends into the surface, so it bends less: a tilt of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
   }),
   "merge.boundary_ragged": ({ pair, turn_deg }) => ({
-    problem: `a boundary of pair ${pair + 1} is ragged (${formatNumber(turn_deg, 4, 0)}° of turn per vertex too much)`,
-    remedy: "Smooth ragged loops, under More of the graft, smooths it first.",
+    problem: `a loop of pair ${pair + 1} is ragged (it turns by ${formatNumber(turn_deg, 4, 0)}° per vertex too much)`,
+    remedy: "Switch on Smooth ragged loops, under More options.",
   }),
   "merge.boundary_touches_itself": ({ side, vertex }) => ({
     problem: `the ${sideWord(side)}'s boundary touches itself in vertex ${vertex}`,
   }),
-  "merge.component_without_pair": ({ vertices, vertex }) => ({
-    problem: `no pair holds the component of the part with vertex ${vertex} (${counted(vertices, "vertex", "vertices")})`,
-    remedy: "Pair one of its loops with one of the model's, or take the component out of the part.",
+  "merge.component_without_pair": ({ vertices }) => ({
+    problem: `a piece of the part has no paired loop yet (${counted(vertices, "vertex", "vertices")})`,
+    remedy: "Click one of its loops and the loop of the model to join to it.",
   }),
   "merge.dropped_pose_kept": () => ({ problem: "a part that is dropped has no pose to keep", remedy: "" }),
   "merge.dropped_source_inverted": ({ vertices, size }) => ({
@@ -247,10 +243,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Drag it to another place, or choose a smaller size.",
   }),
   "merge.fixed_on_loop": () => ({
-    problem: "what shall stay of the part includes its rim, which moves to the model's",
-    remedy: "Leave the rim out of what stays, or choose Nothing fixed: then what lies beyond reach stays.",
+    problem: "the fixed area includes the part's loop, which moves to the model's",
+    remedy: "Leave the loop out of the fixed area, or choose Clear fixed area.",
   }),
-  "merge.fixed_while_pose_found": () => ({ remedy: "Choose the pose Keep." }),
+  "merge.fixed_while_pose_found": () => ({ remedy: "Set Placement to Manual." }),
   "merge.hole_not_manifold": ({ vertex, other_vertex, size }) => ({
     problem: `the model is not an oriented manifold within the hole, at edge ${vertex}–${other_vertex}, at size ${formatNumber(size, 3)}`,
   }),
@@ -286,7 +282,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.loops_differ": ({ pair, difference_percent, bend_deg }) => ({
     problem: `the loops of pair ${pair + 1} differ in shape (by ${formatNumber(difference_percent, 4, 0)} % of their radius on average), so the seam is bent by ${formatNumber(bend_deg, 4, 0)}°`,
-    remedy: "Double click a loop to match more points, or cut loops that are more alike.",
+    remedy: "Double-click a loop to match more points, or cut loops that are more alike.",
   }),
   "merge.loops_meet": ({ pair, vertex }) => ({
     problem: `the loop meets that of pair ${pair + 1} in vertex ${vertex}`,
@@ -298,13 +294,13 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.matches_cross": ({ source, next_source, target, next_target }) => ({
     problem: `the matches cross: vertices ${source} and ${next_source} of the part follow one another, vertices ${target} and ${next_target} of the model do not`,
-    remedy: `Drag the dots into one order; the two loops run opposite ways round the seam. Do the faces of the part point inward? ${turnInsideOut}`,
+    remedy: `Drag the markers into the same order. Do the normals of the part point inward? ${turnInsideOut}`,
   }),
   "merge.no_boundary_loop": ({ side }) => ({
     problem: `the ${sideWord(side)} has no boundary loop, its surface is closed`,
     remedy:
       side === "source"
-        ? "Cut it open first, by a plane or along a curve."
+        ? "Cut it open first."
         : "Cut it open first, or drop the part on its surface.",
   }),
   "merge.no_hole": ({ largest }) => ({
@@ -323,9 +319,12 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.no_such_vertex": ({ side, vertex, count }) => ({
     problem: `vertex ${vertex} of the ${sideWord(side)} does not exist; it has ${count}`,
   }),
-  "merge.ambiguous_start": () => ({ remedy: "Drag a numbered dot to where the two meet, or twist." }),
+  "merge.ambiguous_start": () => ({
+    problem: "rotation unclear: the loops fit equally well in several rotations",
+    remedy: "Drag a numbered marker, or use Twist.",
+  }),
   "merge.orientations_disagree": ({ inward, outward }) => ({
-    problem: `the faces of the ${sideWord(inward)} point inward, those of the ${sideWord(outward)} outward, so that their loops do not run opposite ways`,
+    problem: `the faces of the ${sideWord(inward)} point inward, those of the ${sideWord(outward)} outward, so the two loops do not fit`,
     remedy: turnInsideOut,
   }),
   "merge.point_off_surface": ({ x, y, z, distance }) => ({
@@ -353,10 +352,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.source_stretched": ({ pair, radii }) => ({
     problem: `the part's loop of pair ${pair + 1} is ${formatNumber(radii, 3)} times the radius of the model's away, and the part is stretched that far`,
-    remedy: "The pose Find brings it there.",
+    remedy: "Set Placement to Automatic to bring it there.",
   }),
   "merge.source_inverted": ({ vertices }) => ({
-    problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")}; another start or more matches may help`,
+    problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")}; another rotation or more matches may help`,
   }),
   "merge.source_matched_twice": ({ source, target, other_target }) => ({
     problem: `vertex ${source} of the part is matched with two vertices of the model, ${target} and ${other_target}`,
@@ -376,16 +375,16 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.source_would_reach_in": ({ size }) => ({
     problem: `the part would reach into the model, at size ${formatNumber(size, 3)}`,
   }),
-  "merge.start_unsure": ({ pair, confidence, target, source }) => ({
-    problem: `where pair ${pair + 1} begins was found with little confidence (${Math.round(100 * confidence)} %): vertex ${target} of the model at vertex ${source} of the part`,
-    remedy: "If the part is turned, drag the numbered dot to where the two meet, or twist.",
+  "merge.start_unsure": ({ pair }) => ({
+    problem: `rotation of pair ${pair + 1} unclear: its loops fit almost equally well in other rotations`,
+    remedy: "If it is wrong, drag the numbered marker, or use Twist.",
   }),
   "merge.target_matched_twice": ({ source, other_source, target }) => ({
     problem: `vertices ${source} and ${other_source} of the part are matched with the same vertex of the model, ${target}`,
     remedy: "Keep one of the two.",
   }),
   "merge.target_without_faces": () => ({ problem: "the model has no faces" }),
-  "merge.too_few_pairs": ({ count }) => ({ problem: `three pairs of vertices pose a part, ${count} given` }),
+  "merge.too_few_pairs": ({ count }) => ({ problem: `three matched points place a part, here are ${count}` }),
   "merge.transform_flattens": () => ({ problem: "the pose flattens the part" }),
   "merge.vertex_not_finite": ({ side, vertex }) => ({
     problem: `vertex ${vertex} of the ${sideWord(side)} has no finite position`,
@@ -407,16 +406,16 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Click one loop.",
   }),
   "merge.vertices_on_a_line": ({ side }) => ({
-    problem: `the vertices of the ${sideWord(side)} lie on a line, so that any turn about it fits`,
+    problem: `the matched points of the ${sideWord(side)} lie on a line, so any rotation about it fits`,
   }),
 
   "mesh.faces_left_out": ({ mesh, count }) => ({
-    problem: `${counted(count, "face")} of ${mesh} had no place and ${count === 1 ? "was" : "were"} left out`,
+    problem: `${counted(count, "face")} of ${mesh} cannot be used and ${count === 1 ? "was" : "were"} left out`,
   }),
   "mesh.loop_crosses_itself": () => ({ remedy: "Draw again, so that the curve stays clear of itself." }),
   "mesh.loop_does_not_part": () => ({
-    problem: "the curve does not part the surface: there is no side to keep",
-    remedy: "Choose Both: the cut opens the surface along two loops.",
+    problem: "the curve does not divide the surface: there is no side to keep",
+    remedy: "Choose Split, keep both: the cut opens the surface along two loops.",
   }),
   "mesh.loop_encloses_nothing": () => ({ remedy: "Draw again, farther around." }),
   "mesh.loop_repeats_vertex": ({ vertex }) => ({
@@ -428,7 +427,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Draw again, farther around.",
   }),
   "mesh.loop_touches_boundary": () => ({ remedy: "Draw the curve around it." }),
-  "mesh.no_path": () => ({ remedy: "Draw on one connected part." }),
+  "mesh.no_path": () => ({ remedy: "Draw on one connected piece." }),
   "mesh.plane_misses_mesh": () => ({ remedy: "Move the plane onto it." }),
 
   "script.at_with_kept_pose": () => ({ problem: "a part that is dropped goes where it is dropped, so its pose is not kept" }),
@@ -436,19 +435,19 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `a part that is dropped opens a hole of its own, so it goes without '${field}'`,
   }),
   "script.drop_intersects": ({ pairs }) => ({
-    problem: `the result cuts through itself at ${counted(pairs, "pair")} of faces; another place, spin or size may help`,
+    problem: `the result has ${counted(pairs, "self-intersecting pair")} of faces; another place, spin or size may help`,
   }),
   "script.fixed_empty": () => ({
-    problem: "nothing of the part is selected to stay",
-    remedy: "Paint some of it, or choose Nothing fixed: then what lies beyond reach stays.",
+    problem: "the fixed area is empty",
+    remedy: "Paint some of the part, or choose Clear fixed area.",
   }),
-  "script.fixed_with_found_pose": () => ({ remedy: "Choose the pose Keep." }),
+  "script.fixed_with_found_pose": () => ({ remedy: "Set Placement to Manual." }),
   "script.former_backend": ({ former, name }) => ({
     problem: `the solver '${former}' is called '${name}' now, and that is what was used`,
   }),
   "script.former_setting": ({ former, name }) => ({ problem: `the setting '${former}' is called '${name}' now` }),
   "script.graft_intersects": ({ pairs }) => ({
-    problem: `the result cuts through itself at ${counted(pairs, "pair")} of faces; another start, size or shape may help`,
+    problem: `the result has ${counted(pairs, "self-intersecting pair")} of faces; another rotation, size or shape may help`,
   }),
   "script.handle_empty": ({ handle }) => ({
     problem: `“${handle}” has no vertices`,
@@ -473,19 +472,19 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "script.mirror_image_fixed": ({ vertex, handle }) => ({
     problem: `vertex ${vertex} of the mirror image of “${handle}” is already fixed`,
-    remedy: "Symmetry makes the handle on the other side, too: take what is there out of the fixed part.",
+    remedy: "Symmetry mirrors the handle to the other side: take what is there out of the fixed area.",
   }),
   "script.mirror_image_held": ({ vertex, handle, other }) => ({
     problem: `vertex ${vertex} of the mirror image of “${handle}” is already part of “${other}”`,
-    remedy: `Symmetry makes the handle on the other side, too: remove “${other}”.`,
+    remedy: `Symmetry mirrors the handle to the other side: remove “${other}”.`,
   }),
   "script.mirrored_curve_returns": ({ handle }) => ({
-    problem: `the mirror image of the curve “${handle}” comes back to a vertex`,
+    problem: `the mirror image of the curve “${handle}” passes a vertex twice`,
     remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere.",
   }),
   "script.no_mirror_image": ({ handle, lost, all, tolerance_rel }) => ({
     problem: lackWords({ lost, all }, `“${handle}”`),
-    remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance_rel} each finds a partner; or hold something else.`,
+    remedy: `The model is not quite the same on both sides. A tolerance of ${percent(tolerance_rel)} suffices; or use another handle.`,
   }),
   "script.no_such_loop": ({ side, loop, loops, sizes }) => ({
     problem: `the ${sideWord(side)} has no boundary loop ${loop + 1}`,
@@ -505,8 +504,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Click one vertex with Point handle, or paint with Handle.",
   }),
   "script.not_settled": ({ iterations, change_deg }) => ({
-    problem: `the surface had not settled after ${counted(iterations, "iteration")} (it would have turned by another ${formatNumber(change_deg, 4, 1)}°)`,
-    remedy: "More Iterations (More settings) or less of a turn helps.",
+    problem: `the surface had not settled after ${counted(iterations, "iteration")} (it would have rotated by another ${formatNumber(change_deg, 4, 1)}°)`,
+    remedy: "Raise Iterations, under More settings, or rotate by less.",
   }),
   "script.overlaps_mirror_image": ({ handle, shared, all }) => ({
     problem: `“${handle}” overlaps its mirror image, in ${shared} of ${counted(all, "vertex", "vertices")}`,
@@ -517,17 +516,17 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "A smaller turn, or a longer Reach, keeps more of its width.",
   }),
   "script.pairs_unclear": ({ target_loops, target_sizes, source_loops, source_sizes }) => ({
-    problem: `which loops meet is not clear: the model has ${loopSizes(target_loops, target_sizes)}, the part ${loopSizes(source_loops, source_sizes)}`,
-    remedy: "Click a loop of the model and the loop of the part that it meets.",
+    problem: `it is unclear which loops to join: the model has ${loopSizes(target_loops, target_sizes)}, the part ${loopSizes(source_loops, source_sizes)}`,
+    remedy: "Click a loop of the model and the loop of the part to join to it.",
   }),
   "script.posed_twice": () => ({
-    problem: "the part is posed twice: by vertices that meet, and by a pose of its own",
+    problem: "the part is placed twice: by matched points, and by a pose of its own",
     remedy: "Keep one of the two.",
   }),
   "script.region_not_mirrored": ({ lost, all }) => ({ problem: regionLacks({ lost, all }), remedy: otherPlane }),
   "script.region_without_mirror_image": ({ lost, all, tolerance_rel }) => ({
     problem: regionLacks({ lost, all }),
-    remedy: `With a tolerance of ${tolerance_rel}, under Symmetry, each finds a partner.`,
+    remedy: `A tolerance of ${percent(tolerance_rel)}, under Symmetry, suffices.`,
   }),
   "script.side_without_closed_loop": ({ side, mesh, edges, vertex }) => ({
     problem: `the ${sideWord(side)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,
@@ -535,12 +534,12 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "script.side_without_faces": ({ side, mesh }) => ({ problem: `the ${sideWord(side)} (${mesh}) has no faces` }),
   "script.side_without_loop": ({ side, mesh }) => ({
     problem: `the ${sideWord(side)} (${mesh}) has no boundary loop`,
-    remedy: "Cut it open first, by a plane or along a curve.",
+    remedy: "Cut it open first.",
   }),
   "script.size_with_kept_pose": () => ({ remedy: "Scale the part by its gizmo." }),
   "script.source_loop_unclear": ({ loops, sizes }) => ({
-    problem: `which loop of the part meets the surface is not clear: it has ${loopSizes(loops, sizes)}`,
-    remedy: "Drop a part that has one loop, or pair its loops with loops of the model.",
+    problem: `it is unclear which loop of the part joins the surface: it has ${loopSizes(loops, sizes)}`,
+    remedy: "Drop a part with one loop, or pair its loops with loops of the model.",
   }),
   "script.vertex_not_mirrored": ({ vertex }) => ({
     problem: `vertex ${vertex} lacks a mirror image`,
@@ -552,11 +551,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "script.vertex_without_mirror_image": ({ vertex, tolerance_rel }) => ({
     problem: `vertex ${vertex} lacks a mirror image`,
-    remedy: `The model is not quite the same on both sides. With a tolerance of ${tolerance_rel} it finds a partner; or hold something else.`,
+    remedy: `The model is not quite the same on both sides. A tolerance of ${percent(tolerance_rel)} suffices; or use another handle.`,
   }),
   "script.welded": ({ vertices }) => ({
-    problem: `${counted(vertices, "boundary vertex was welded to another", "boundary vertices were welded to others")} at their place for the solve; the result keeps them apart`,
-    remedy: "Switch off Weld seams to let such places open.",
+    problem: `${counted(vertices, "boundary vertex was welded to another", "boundary vertices were welded to others")} at the same position for the solve; the result keeps them separate`,
+    remedy: "Switch off Weld seams to let such places separate.",
   }),
   "script.wrong_sha256": ({ file, found, expected }) => ({
     problem: `the file ${file} has the SHA-256 ${found}, the edit was made for ${expected}`,

@@ -106,7 +106,7 @@ export function DropZone({ page }: { page: Page }) {
       {over && (
         <div class="drop-over">
           <Icon name="upload" size={40} />
-          <p>Drop it to open it</p>
+          <p>Drop to open</p>
         </div>
       )}
       {asked !== null && (
@@ -115,14 +115,14 @@ export function DropZone({ page }: { page: Page }) {
           onClose={() => setAsked(null)}
           actions={
             <>
-              <Button label="Stay here" kind="quiet" onClick={() => setAsked(null)} />
-              <Button label="Add as a part" tip="Beside the model, to be grafted." onClick={add} />
+              <Button label="Cancel" kind="quiet" onClick={() => setAsked(null)} />
+              <Button label="Add as a part" tip="Adds it beside the model, to graft it." onClick={add} />
               <Button label="Open without saving" onClick={open} />
               <Button label="Save…" kind="primary" onClick={save} />
             </>
           }
         >
-          <p>{page.editor.state.value?.name} has changes that are not saved.</p>
+          <p>{page.editor.state.value?.name} has unsaved changes.</p>
         </Dialog>
       )}
       <UploadBar />

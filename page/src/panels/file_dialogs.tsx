@@ -62,9 +62,9 @@ function TargetDialog(props: TargetProps) {
   const actions = asks ? (
     <>
       <p class="question">
-        <strong>{name}</strong> is there already. Replace it?
+        <strong>{name}</strong> already exists. Replace it?
       </p>
-      <Button label="Keep it" kind="quiet" onClick={() => setAsks(false)} />
+      <Button label="Don't replace" kind="quiet" onClick={() => setAsks(false)} />
       <Button label="Replace" kind="danger" onClick={() => void write(true)} />
     </>
   ) : (
@@ -138,7 +138,7 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
   return (
     <TargetDialog
       page={page}
-      title="Save the edit"
+      title="Save the edit file"
       done="Saved"
       action="Save"
       extension=".json"
@@ -154,8 +154,8 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
       }}
     >
       <p class="hint">
-        An edit file has all that you did, to go on later or to run again: <code>meshgraft run</code>. The
-        model itself stays as it is.
+        An edit file stores all your steps, so that you can continue or repeat them later. The model's own file
+        is not changed.
       </p>
     </TargetDialog>
   );
@@ -203,13 +203,13 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
         <Toggle
           label="As a morph target"
           value={isMorph}
-          help="Keeps the shape, and adds the edit as a morph target to blend in."
+          help="Keeps the original shape and adds the edit as a morph target (shape key)."
           onChange={setMorph}
         />
       )}
       {asMorph && (
         <label class="row">
-          <span>Name of the target</span>
+          <span>Name of the morph target</span>
           <input type="text" value={morphName} onInput={(event) => setMorphName(event.currentTarget.value)} />
         </label>
       )}

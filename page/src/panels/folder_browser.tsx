@@ -61,14 +61,14 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
         <button
           type="button"
           class="icon-button"
-          aria-label="One folder up"
+          aria-label="Up one folder"
           disabled={folder === null}
           onClick={() => onFolder(isRoot ? null : folderOf(folder))}
         >
           <Icon name="up" />
         </button>
         <code data-tip={folder ?? ""}>
-          {folder === null ? "Folders that the editor may use" : shortened(folder)}
+          {folder === null ? "Folders" : shortened(folder)}
         </code>
       </div>
       <ul class="list browser-list" aria-label="Files">
@@ -102,7 +102,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
           <li class="nothing">
             {folder === null
               ? "No folder is open. Start the editor in the folder of your models."
-              : "Nothing of this kind here."}
+              : "No matching files here."}
           </li>
         )}
       </ul>

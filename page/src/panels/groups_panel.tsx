@@ -14,7 +14,7 @@ export function GroupsPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Groups"
-      hint="Selections that are kept by name, to select again or to use."
+      hint="Named selections, to reuse."
       badge={groups.length === 0 ? undefined : groups.length}
     >
       <ul class="list" aria-label="Groups">
@@ -47,7 +47,7 @@ function GroupRow({ page, name, colour }: { page: Page; name: string; colour: st
       <button
         type="button"
         class="list-main"
-        data-tip="Selects it. With shift: adds it to the selection."
+        data-tip="Click to select; Shift+click to add to the selection."
         onClick={(event) => select(event.shiftKey ? "add" : "set")}
       >
         <span class="list-name">{name}</span>
@@ -57,8 +57,8 @@ function GroupRow({ page, name, colour }: { page: Page; name: string; colour: st
         items={[
           { label: "Select", run: () => select("set") },
           { label: "Add to the selection", run: () => select("add") },
-          { label: "Take from the selection", run: () => select("remove") },
-          { label: "Keep what both have", run: () => select("intersect") },
+          { label: "Subtract from the selection", run: () => select("remove") },
+          { label: "Intersect with the selection", run: () => select("intersect") },
           {
             label: "Make region",
             icon: "region",
@@ -132,7 +132,7 @@ function NewGroup({
         tip={
           selected === 0
             ? "Select something first."
-            : `Keeps the ${counted(selected, "selected vertex", "selected vertices")} by this name.`
+            : `Saves the ${counted(selected, "selected vertex", "selected vertices")} under this name.`
         }
         onClick={() => void save()}
       />

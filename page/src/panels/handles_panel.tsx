@@ -23,13 +23,13 @@ export function HandlesPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Handles"
-      hint="What you pull by. The surface around follows, as far as the handle reaches."
+      hint="Areas that you move. The surface around them follows within their reach."
       badge={handles.length === 0 ? undefined : handles.length}
       startsOpen
     >
       {handles.length === 0 && (
         <div class="empty">
-          <p>Paint over the part that you want to move.</p>
+          <p>Paint the area that you want to move.</p>
           <CommandLabelButton page={page} id="tool-handle" icon="handle" kind="primary" />
         </div>
       )}
@@ -44,7 +44,7 @@ export function HandlesPanel({ page }: { page: Page }) {
           <PoseFields page={page} handle={handle} />
         </div>
       )}
-      {handles.length > 0 && handle === undefined && <p class="hint">Pick a handle to move it by numbers.</p>}
+      {handles.length > 0 && handle === undefined && <p class="hint">Click a handle to enter exact values.</p>}
     </Section>
   );
 }
@@ -78,7 +78,7 @@ function HandleRow({ page, handle, colour, active }: RowProps) {
           data-tip={
             handle.vertices === undefined
               ? ""
-              : `${counted(handle.vertices, "vertex", "vertices")}. Double-click renames it.`
+              : `${counted(handle.vertices, "vertex", "vertices")}. Double-click to rename.`
           }
           onClick={pick}
           onDblClick={() => setRenames(true)}
@@ -96,7 +96,7 @@ function HandleRow({ page, handle, colour, active }: RowProps) {
         items={[
           { label: "Rename", icon: "rename", keys: "F2", run: () => setRenames(true) },
           {
-            label: "Put back",
+            label: "Reset",
             icon: "reset",
             disabled: isAtRest(handle.pose),
             run: () => void editor.pose({ [handle.name]: {} }),
@@ -120,7 +120,7 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
   const diagonal = editor.state.value?.model.diagonal ?? 1;
   const unit = editor.view.unit.value;
   if (reach === undefined)
-    return <p class="hint">This handle moves the region that you set, and has no reach of its own.</p>;
+    return <p class="hint">This handle moves the whole region that you set, so it has no reach of its own.</p>;
   return (
     <Slider
       label="Reach"
@@ -135,7 +135,7 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
       suffix={unit === "none" ? "" : unit}
       step={0.01 * diagonal}
       digits={3}
-      help="How far the surface around follows, measured along it. The pull fades to nothing there."
+      help="How far the surface around the handle follows, measured along the surface. The effect fades to zero there."
       onInput={(length) => (editor.tools.reachFor.value = { handle: handle.name, reach: length })}
       onChange={(length) =>
         void editor

@@ -41,14 +41,14 @@ export function Header({ page }: { page: Page }) {
           <span class="divider" />
           <DocumentName name={state.name} edit={state.edit} unsaved={editor.unsaved.value} />
           <span class="divider" />
-          <CommandButton page={page} id="undo" icon="undo" tip={of("Takes back: ", state.undo)} />
-          <CommandButton page={page} id="redo" icon="redo" tip={of("Does again: ", state.redo)} />
+          <CommandButton page={page} id="undo" icon="undo" tip={changeTip("Undo", state.undo)} />
+          <CommandButton page={page} id="redo" icon="redo" tip={changeTip("Redo", state.redo)} />
           <CommandButton
             page={page}
             id="before"
             icon="before"
             label="Before and after"
-            tip="Hold to see the mesh before."
+            tip="Hold to see the mesh before this step."
           />
           <span class="space" />
           <CommandLabelButton page={page} id="accept" icon="accept" label="Accept" />
@@ -68,20 +68,20 @@ export function Header({ page }: { page: Page }) {
       <IconButton
         label={`Theme: ${theme.value}`}
         icon={themeIcons[theme.value]}
-        tip={`Click for: ${next}`}
+        tip={`Switch to ${next}.`}
         onClick={() => (theme.value = next)}
       />
     </header>
   );
 }
 
-function of(words: string, change: Change | null): string {
-  return change === null ? "Nothing to do." : words + changeLabel(change);
+function changeTip(verb: "Undo" | "Redo", change: Change | null): string {
+  return change === null ? `Nothing to ${verb.toLowerCase()}.` : `${verb}: ${changeLabel(change)}`;
 }
 
 function DocumentName({ name, edit, unsaved }: { name: string; edit: string; unsaved: boolean }) {
   const file = edit === "" ? name : (edit.split("/").pop() ?? name);
-  const tip = edit === "" ? "Not saved as an edit yet." : edit;
+  const tip = edit === "" ? "Not saved yet." : edit;
   return (
     <span class="document-name" data-tip={tip} data-label={unsaved ? "Unsaved changes" : "All saved"}>
       <span class="file-name">{file}</span>

@@ -7,45 +7,46 @@ const groups: readonly [CommandGroup, string][] = [
   ["tool", "Tools"],
   ["handle", "Handles"],
   ["select", "Selection"],
-  ["edit", "Changes"],
+  ["edit", "Edit"],
   ["view", "View"],
-  ["file", "Files"],
+  ["file", "File"],
   ["help", "Help"],
 ];
 
 const pointer: readonly [string, string][] = [
-  ["Turn the view", "drag beside the model, or middle drag"],
-  ["Shift it", "right drag, or Shift and middle drag"],
+  ["Orbit", "drag beside the model, or middle-drag"],
+  ["Pan", "right-drag, or Shift+middle-drag"],
   ["Zoom", "wheel, towards the pointer"],
-  ["Frame", "double click"],
-  ["Select more, less", "Shift, Alt with a selection tool"],
+  ["Frame a place", "double-click it"],
+  ["Add to the selection", "Shift with a selection tool"],
+  ["Subtract from it", "Alt with a selection tool"],
 ];
 
 const tour: readonly [string, string][] = [
   [
     "Open a model.",
-    "A file of yours, a sample, or drop one on the page. Nothing happens to the file itself.",
+    "Choose a file or a sample, or drop a file on the page. The file itself is never changed.",
   ],
   [
     "Paint a handle.",
-    "Press H and paint over the part that you want to hold: a nose, a hand, the end of a tail. Where you let go, arrows appear.",
+    "Press H and paint the area to move: a nose, a hand, the end of a tail. When you release, the gizmo appears.",
   ],
   [
-    "Pull.",
-    "Arrows move, rings turn, the boxes at the ends scale. Details follow. Turn as often as you like: 720° is twice round.",
+    "Drag the gizmo.",
+    "Arrows move, rings rotate, boxes scale. The details follow. Rotate as far as you like: 720° is two full turns.",
   ],
   [
-    "Say how far it reaches.",
-    "Reach, at the right, is how much of the surface follows. The tint on the model shows it, and fades where the pull ends.",
+    "Set the reach.",
+    "Reach, in the panel Handles, is how far the surface around the handle follows. The tint on the model shows it.",
   ],
   [
-    "Hold what must stay.",
-    "Select with brush or lasso and make it fixed; or make a second handle and leave it where it is.",
+    "Fix what must not move.",
+    "Select it with the brush or lasso and choose Make fixed; or make a second handle and leave it in place.",
   ],
-  ["Compare.", "Hold \\ to see the mesh before. Another method, under Method, shows its difference at once."],
+  ["Compare.", "Hold \\ to see the mesh before this step. Choose another method, under Method, to compare the results."],
   [
-    "Go on, or keep it.",
-    "Accept begins the next step on the new shape. Save keeps all steps in an edit file; Export writes the mesh.",
+    "Continue, or save.",
+    "Accept finishes the step; the next one starts from the new shape. Save writes all steps to an edit file; Export writes the mesh.",
   ],
 ];
 
@@ -55,7 +56,7 @@ export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }
     <Dialog title="Help" onClose={onClose} wide>
       <div class="help">
         <section aria-label="Tour">
-          <h3>In two minutes</h3>
+          <h3>Two-minute tour</h3>
           <ol class="tour">
             {tour.map(([what, how]) => (
               <li key={what}>
@@ -64,8 +65,8 @@ export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }
             ))}
           </ol>
           <p class="hint">
-            Every change can be undone, and is on the disk as soon as it is made. Rest the pointer on anything
-            to read what it is for.
+            Every change can be undone, and is saved to disk as you make it. Hover over anything to read what
+            it does.
           </p>
         </section>
         <section aria-label="Keys">

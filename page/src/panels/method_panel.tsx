@@ -34,7 +34,7 @@ export function MethodPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Method"
-      hint="How the surface follows the handles. A switch shows the difference at once."
+      hint="How the surface follows the handles. Switch to compare."
       badge={hasPreset(settings) ? preset.label : chosen?.label}
       startsOpen
     >
@@ -61,11 +61,11 @@ export function MethodPanel({ page }: { page: Page }) {
         <MoreSettings all={all} values={settings} change={change} />
         <Anchors page={page} />
         <Button
-          label="Back to the usual"
+          label="Restore defaults"
           icon="reset"
           kind="quiet"
           disabled={Object.keys(usual).length === 0}
-          tip="All of these settings as they are at first, without the preset; the method stays."
+          tip="Resets these settings and switches the preset off. The method stays."
           onClick={() => change(usual)}
         />
       </More>
@@ -119,7 +119,7 @@ function SettingField({ setting, values, change }: SettingsProps & { setting: Se
         <Slider
           {...setting}
           label={label}
-          help={`${help} Usually ${usualOf(values, setting)}.`}
+          help={`${help} Default: ${usualOf(values, setting)}.`}
           value={numberOf(values, setting)}
           step={setting.integer === true ? 1 : Math.max(1e-6, setting.defaultValue / 20)}
           onChange={(value) => change({ [key]: admissible(setting, value) })}
@@ -159,7 +159,7 @@ function Anchors({ page }: { page: Page }) {
   const groups = groupsOf(state).map(({ name }) => name);
   const found = (state?.steps.at(-1)?.fields as { anchors?: unknown } | undefined)?.anchors;
   if (found !== undefined && !Array.isArray(found))
-    return <p class="hint">The step has more anchors than can be listed here; its file has them.</p>;
+    return <p class="hint">The anchors of this step cannot be changed here. They are kept.</p>;
   const anchors: Anchor[] = Array.isArray(found) ? (found as Anchor[]) : [];
   const isAnchored = (name: string) => anchors.some(({ select }) => select === name);
   const ask = (next: Anchor[]) =>
@@ -169,8 +169,8 @@ function Anchors({ page }: { page: Page }) {
       <legend>Anchors</legend>
       <p class="hint">
         {groups.length === 0
-          ? "Save a selection as a group; it can then be drawn to where it is, softer than a fixed part."
-          : "A group that is anchored is drawn to where it is, softer than a fixed part."}
+          ? "Save a selection as a group, to anchor it: it then resists moving, but gives way more than a fixed area."
+          : "An anchored group resists moving, but gives way more than a fixed area."}
       </p>
       {groups.map((name) => (
         <Toggle
@@ -189,13 +189,13 @@ function Anchors({ page }: { page: Page }) {
       {anchors.map((anchor, i) => (
         <Slider
           key={i}
-          label={typeof anchor.select === "string" ? `Pull of ${anchor.select}` : `Pull ${i + 1}`}
+          label={typeof anchor.select === "string" ? `Weight of ${anchor.select}` : `Weight ${i + 1}`}
           value={anchor.weight ?? 10}
           min={0}
           max={1e6}
           softMax={1000}
           logarithmic
-          help="Weight of the anchor."
+          help="How strongly the anchor resists moving."
           onChange={(weight) => ask(anchors.map((other, k) => (k === i ? { ...other, weight } : other)))}
         />
       ))}

@@ -19,23 +19,23 @@ export function RestoreOffer({ page }: { page: Page }) {
   const putAside = async () => {
     editor.offer.value = null;
     const done = await editor.ask({ do: "discard" });
-    if (done?.aside !== undefined) editor.note("The earlier changes are put aside, not deleted.", done.aside);
+    if (done?.aside !== undefined) editor.note("The earlier changes were set aside, not deleted.", done.aside);
   };
   return (
     <Dialog
-      title="Go on where you were?"
+      title="Restore unsaved work?"
       actions={
         <>
-          <Button label="Put them aside" kind="quiet" onClick={() => void putAside()} />
+          <Button label="Don't restore" tip="Sets the changes aside in a file. They are not deleted." kind="quiet" onClick={() => void putAside()} />
           <Button label="Restore" kind="primary" autoFocus onClick={restore} />
         </>
       }
     >
       <p>
-        An earlier session on {editor.state.value?.name ?? "this model"} ended before its work was saved. It
+        An earlier session on {editor.state.value?.name ?? "this model"} ended before it was saved. It
         left <strong>{counted(offer.changes, "change")}</strong>
-        {offer.last !== null && <> (the last one: {changeLabel(offer.last)})</>}
-        {offer.undone > 0 && <>, and {offer.undone} undone that can be done again</>}.
+        {offer.last !== null && <> (the last: {changeLabel(offer.last)})</>}
+        {offer.undone > 0 && <>, and {counted(offer.undone, "undone change")} to redo</>}.
       </p>
     </Dialog>
   );
@@ -56,7 +56,7 @@ export function LeaveQuestion({ page }: { page: Page }) {
           <Button label="Cancel" kind="quiet" onClick={() => (editor.pendingOpen.value = null)} />
           <Button
             label="Open without saving"
-            tip={`The changes stay in a session file beside ${name}, and are offered when you open it again.`}
+            tip={`The changes stay in a session file beside ${name}. You can restore them when you open it again.`}
             onClick={() => editor.openPending()}
           />
           <Button label="Save…" kind="primary" autoFocus onClick={() => void editor.saveThenOpenPending()} />
@@ -64,8 +64,8 @@ export function LeaveQuestion({ page }: { page: Page }) {
       }
     >
       <p>
-        {name} has changes that are not saved. Without saving they are kept in a session file beside it, and
-        offered when you open it again.
+        {name} has unsaved changes. If you do not save them, they stay in a session file beside it, and you can
+        restore them when you open it again.
       </p>
     </Dialog>
   );
@@ -88,14 +88,14 @@ export function ReplaceQuestion({ page }: { page: Page }) {
       actions={
         <>
           <Button label="Don't save" kind="quiet" onClick={cancel} />
-          <Button label="Replace it" kind="danger" onClick={() => void editor.replace()} />
+          <Button label="Replace" kind="danger" onClick={() => void editor.replace()} />
           <Button label="Save as…" kind="primary" autoFocus onClick={saveAs} />
         </>
       }
     >
       <p>
         Another tab or another program has written <strong>{file}</strong> since it was opened or saved here.
-        What is in it now would be lost.
+        Replacing it loses what it contains now.
       </p>
     </Dialog>
   );
@@ -111,38 +111,38 @@ export function LostConnection({ page }: { page: Page }) {
     editor.state.value === null
       ? ""
       : editor.isWaitedFor.value
-        ? "It has every change that was made here."
-        : "Your work is safe: every change is on the disk as soon as it is made.";
+        ? "It has all changes that you made here."
+        : "Your work is safe: every change is saved to disk as you make it.";
   return (
     <div class="lost" role="alertdialog" aria-label="The connection is lost">
       <div class="lost-card">
         <Icon name="warning" size={30} />
         {editor.token === "" ? (
           <>
-            <h2>The address is not complete</h2>
+            <h2>The address is incomplete</h2>
             <p>
-              It lacks its token. Open the whole address that <code>meshgraft edit</code> printed.
+              Its token is missing. Open the whole address that <code>meshgraft edit</code> printed.
             </p>
           </>
         ) : editor.expired.value ? (
           <>
-            <h2>The engine was started again</h2>
+            <h2>meshgraft was restarted</h2>
             <p>
-              This page belongs to the one before. Open the new address that <code>meshgraft edit</code>{" "}
+              This page belongs to the previous run. Open the new address that <code>meshgraft edit</code>{" "}
               printed. {isSafe}
             </p>
             {editor.state.value !== null && (
-              <p>When you open {editor.state.value.name} there, it offers to restore what was not saved.</p>
+              <p>Open {editor.state.value.name} there to restore what was not saved.</p>
             )}
           </>
         ) : (
           <>
-            <h2>The engine does not answer</h2>
+            <h2>meshgraft does not answer</h2>
             <p>
-              Look whether {program} still runs. This page connects again by itself; if you start it again, open
+              Check that {program} is still running. This page reconnects by itself; if you restart the program, open
               the address that it prints. {isSafe}
             </p>
-            <span class="bar unknown" role="progressbar" aria-label="Connecting again">
+            <span class="bar unknown" role="progressbar" aria-label="Reconnecting">
               <i />
             </span>
           </>

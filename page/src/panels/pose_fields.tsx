@@ -26,11 +26,11 @@ export function PoseFields({ page, handle }: { page: Page; handle: Handle }) {
   const numbers = numbersOf(pose, handle.pivot ?? handle.centre ?? [0, 0, 0]);
   const reset = (
     <Button
-      label="Put back"
+      label="Reset"
       icon="reset"
       kind="quiet"
       disabled={isAtRest(handle.pose)}
-      tip="The handle goes back to where the step found it."
+      tip="Returns the handle to where it was at the start of the step."
       onClick={() => void editor.pose({ [handle.name]: {} })}
     />
   );
@@ -74,7 +74,7 @@ export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFie
       {withPivot && (
         <Triple
           label="Pivot"
-          tip="The point that turning and scaling keep; at first the centre of the handle's boundary."
+          tip="The point about which the handle rotates and scales. By default the centre of its boundary."
           {...lengths}
           value={numbers.pivot}
           onChange={(pivot) => change({ pivot })}
@@ -90,8 +90,8 @@ function FreePose({ handle, reset }: { handle: Handle; reset: preact.JSX.Element
     <div class="pose">
       <p class="hint">
         {matrix === undefined
-          ? "This handle has a course of its own."
-          : "This pose is a matrix: it shears, or came from a file. Put it back to move it by numbers."}
+          ? "This curve was redrawn point by point."
+          : "This pose is a matrix: it shears, or came from a file. Reset it to enter numbers."}
       </p>
       {matrix !== undefined && (
         <table class="matrix" aria-label="Matrix of the pose">
@@ -162,14 +162,14 @@ function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
       <div
         class="triple turn"
         role="group"
-        aria-label="Turn"
-        data-tip="About an axis by any angle; more than 360° winds up. “2 turns” may be typed, too."
+        aria-label="Rotate"
+        data-tip="Rotates about an axis, also by more than 360°. You can type “2 turns”, too."
       >
         <span class="label">
-          Turn <small class={turns === "" ? "" : "turns"}>{turns === "" ? "°" : turns}</small>
+          Rotate <small class={turns === "" ? "" : "turns"}>{turns === "" ? "°" : turns}</small>
         </span>
         <NumberField
-          label="Turn angle"
+          label="Rotation angle"
           value={angleDeg}
           quantity="angle"
           step={5}
@@ -177,7 +177,7 @@ function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
           onChange={(to) => change({ angleDeg: to })}
         />
         <Segments
-          label="Axis of the turn"
+          label="Rotation axis"
           hideLabel
           value={name}
           choices={[
@@ -232,7 +232,7 @@ function Scale({ numbers: { scale }, change }: PartProps) {
           onChange={(to) => change({ scale: to })}
         />
       )}
-      <label class="link" data-tip="One scale for all directions.">
+      <label class="link" data-tip="Scales all axes equally.">
         <input
           type="checkbox"
           checked={together}
@@ -241,7 +241,7 @@ function Scale({ numbers: { scale }, change }: PartProps) {
             if (linked.value && !isUniform(scale)) change({ scale: [scale[0], scale[0], scale[0]] });
           }}
         />
-        all axes
+        uniform
       </label>
     </div>
   );

@@ -23,13 +23,13 @@ export function StartScreen({ page }: { page: Page }) {
           <Mark size={44} />
           <div>
             <h1>meshgraft</h1>
-            <p>Open a model, paint over the part that you want to move, and pull it by the arrows.</p>
+            <p>Open a model, paint the area that you want to move, and drag the arrows.</p>
           </div>
         </div>
         <div class="start-columns">
           <div>
             {models.length > 0 && <Models page={page} title="Your models" models={models} />}
-            {recent.length > 0 && <Models page={page} title="Opened lately" models={recent} />}
+            {recent.length > 0 && <Models page={page} title="Recent" models={recent} />}
             <h2>Samples</h2>
             <ul class="cards">
               {(welcome?.samples ?? []).map(({ name, description }) => (

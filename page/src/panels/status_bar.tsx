@@ -39,13 +39,13 @@ function LiveFigures({ page }: { page: Page }) {
   return (
     <>
       {seconds !== undefined && (
-        <span data-tip="What the engine took for the last frame.">frame {formatSeconds(seconds)}</span>
+        <span data-tip="Time to compute the last frame.">frame {formatSeconds(seconds)}</span>
       )}
       {setup !== undefined && (
-        <span data-tip="What it took until the exact solution was there.">set-up {formatSeconds(setup)}</span>
+        <span data-tip="Time until the exact solution was ready.">set-up {formatSeconds(setup)}</span>
       )}
       {error_rel !== undefined && error_rel > 0 && (
-        <span data-tip="How far the preview was from the exact shape, as a part of the movement.">
+        <span data-tip="Deviation of the preview from the exact shape, relative to the movement.">
           ± {formatPercent(error_rel)}
         </span>
       )}
@@ -64,7 +64,7 @@ function ModelFigures({ page }: { page: Page }) {
     <>
       {selected > 0 && <span class="selected-count">{formatCount(selected)} selected</span>}
       {counts !== null && (
-        <span data-tip="Vertices that may move, and those of them that are neither handle nor fixed.">
+        <span data-tip="Vertices of the region, and those of them that are neither handle nor fixed.">
           region {formatCount(counts.region)}, free {formatCount(counts.free)}
         </span>
       )}
@@ -90,7 +90,7 @@ function ShownFigures({ page }: { page: Page }) {
   return (
     <>
       {selected > 0 && <span class="selected-count">{formatCount(selected)} selected</span>}
-      <span class="wide-only" data-tip="Of all that is shown, parts among it.">
+      <span class="wide-only" data-tip="Everything shown, including parts.">
         {counted(vertices, "vertex", "vertices")}
       </span>
       <span class="wide-only">{counted(faces, "face")}</span>
@@ -105,7 +105,7 @@ function ShownFigures({ page }: { page: Page }) {
 
 function sizeTip(around: string, sides: readonly number[], unit: Unit): string {
   const inMm = formatSizeInMm(sides, unit);
-  return `Sides of the box around ${around}${inMm === "" ? "" : `: ${inMm}`}. The unit is set under View.`;
+  return `Bounding box of ${around}${inMm === "" ? "" : `: ${inMm}`}. Set the unit under View.`;
 }
 
 function sidesOf({ low, high }: Box): number[] {
@@ -144,7 +144,7 @@ function Progress({ page }: { page: Page }) {
   if (setup === undefined) return null;
   return (
     <>
-      <Bar fraction={setup.fraction} label="Getting exact" />
+      <Bar fraction={setup.fraction} label="Preparing the exact shape" />
       <span class="working">{progressWords(setup)}</span>
       <SetUpCancel page={page} />
     </>
@@ -160,7 +160,7 @@ function SetUpCancel({ page }: { page: Page }) {
     <button
       type="button"
       class="cancel"
-      data-tip={`Stops, and goes back to before: ${changeLabel(label)}.`}
+      data-tip={`Stops, and undoes: ${changeLabel(label)}.`}
       onClick={() => void editor.cancelSetUp()}
     >
       Cancel

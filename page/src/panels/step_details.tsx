@@ -94,7 +94,7 @@ function StepPose({ page, name, pose, onChange }: StepPoseProps) {
         <p class="hint">
           {pose.matrix === undefined
             ? "A redrawn curve."
-            : `A matrix with the shift ${pose.matrix
+            : `A matrix; it translates by ${pose.matrix
                 .slice(0, 3)
                 .map((row) => formatNumber(row[3], 3))
                 .join(", ")}.`}
@@ -128,7 +128,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       />
       <ShapeField step={step} keep={keep} />
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
-      <More label="More of the graft">
+      <More label="More options">
         <LoopToggles step={step} keep={keep} />
       </More>
     </div>
@@ -154,7 +154,7 @@ function Twists({ page, count, index }: TwistsProps) {
           {...degrees}
           step={5}
           value={0}
-          help="Turns the part on along its loop, from how it is now."
+          help="Rotates the part along its loop, relative to now."
           onChange={(value) => twist(pair, value)}
         />
       ))}
@@ -174,12 +174,12 @@ export function CutDetails({ page, step, index }: DetailsProps) {
   return (
     <div class="step-details">
       <Segments
-        label="What stays"
+        label="Keep"
         value={fields.keep ?? "both"}
         choices={[
           { value: "above", label: plane === undefined ? "Inside" : "Above", help: aboveHelp(plane) },
           { value: "below", label: plane === undefined ? "Outside" : "Below" },
-          { value: "both", label: "Both" },
+          { value: "both", label: "Both", help: "Splits the mesh and keeps both sides." },
         ]}
         onChange={(keep) => change({ keep })}
       />
@@ -197,7 +197,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
           />
           <Triple
             label="Normal"
-            tip="Points to what is above; any length."
+            tip="Points to the side above. Its length does not matter."
             quantity="number"
             step={0.1}
             value={plane.normal}
@@ -212,7 +212,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
         step={0.05}
         digits={2}
         value={fields.snap ?? 0.1}
-        help="An edge that is cut within this share of its length from an end is cut at that end: no slivers."
+        help="Where the cut passes an end of an edge within this share of the edge's length, it goes through the vertex. Avoids slivers."
         onChange={(snap) => change({ snap })}
       />
     </div>
@@ -220,5 +220,5 @@ export function CutDetails({ page, step, index }: DetailsProps) {
 }
 
 function aboveHelp(plane: Plane | undefined): string {
-  return plane === undefined ? "What lies at the left hand of the curve." : "Where the normal points: the blue side.";
+  return plane === undefined ? "The side to the left of the curve." : "The side where the normal points: blue.";
 }

@@ -26,7 +26,7 @@ export function StepsPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Steps"
-      hint="What is done to the model, in order. An earlier one can be changed: click it, and the later ones follow."
+      hint="The steps applied to the model, in order. Click an earlier one to change it; the later ones are recomputed."
       badge={steps.length}
     >
       <ol class="list steps" aria-label="Steps">
@@ -77,7 +77,7 @@ function StepRow({ page, step, index, inWork, open, onOpen }: RowProps) {
         <Icon name={kinds[step.kind].icon} size={16} />
       </span>
       <span class="list-name">{title}</span>
-      <small>{[handles, inWork ? "in work" : ""].filter((part) => part !== "").join(", ")}</small>
+      <small>{[handles, inWork ? "editing" : ""].filter((part) => part !== "").join(", ")}</small>
     </>
   );
   const rename = (name: string) => void editor.ask({ do: "step", what: "rename", index, name });

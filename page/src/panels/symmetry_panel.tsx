@@ -8,7 +8,7 @@ import {
   type PlaneAxis,
 } from "../app/mirror_plane";
 import type { Page } from "../app/page";
-import { mirrorTolerance } from "../app/symmetry";
+import { asPercent, fromPercent, mirrorTolerance } from "../app/symmetry";
 import { formatNumber } from "../app/units";
 import { Segments, Slider, Toggle } from "./ui/fields";
 import { Section } from "./ui/section";
@@ -25,13 +25,13 @@ export function SymmetryPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Symmetry"
-      hint="What you do on one side of a plane happens on the other side, too."
+      hint="Mirrors every edit across a plane."
       badge={symmetry === null ? "off" : "on"}
     >
       <Toggle
         label="Symmetric editing"
         value={symmetry !== null}
-        help="Each handle gets a twin at its mirror image."
+        help="Each handle gets a mirrored copy on the other side."
         onChange={(on) => void editor.setSymmetry(on)}
       />
       {symmetry !== null && (
@@ -39,22 +39,23 @@ export function SymmetryPanel({ page }: { page: Page }) {
           <PlaneFields editor={editor} plane={symmetry.plane} />
           <p class="hint">
             {symmetry.twins.length === 0
-              ? "No handle has a twin yet."
-              : `Twins: ${symmetry.twins.map(({ of }) => of).join(", ")}.`}
+              ? "No mirrored handles yet."
+              : `Mirrored: ${symmetry.twins.map(({ of }) => of).join(", ")}.`}
           </p>
         </>
       )}
       <Slider
         label="Tolerance"
-        value={symmetry?.tolerance_rel ?? mirrorTolerance.value}
-        min={1e-9}
-        max={1}
-        softMin={1e-5}
-        softMax={0.1}
+        value={asPercent(symmetry?.tolerance_rel ?? mirrorTolerance.value)}
+        min={1e-7}
+        max={100}
+        softMin={1e-3}
+        softMax={10}
         logarithmic
-        step={0.001}
-        help="How far a vertex may be from the mirror image of another one, × the diagonal of the model."
-        onChange={tolerate}
+        step={0.1}
+        suffix="%"
+        help="How far a vertex may be from another one's mirror image, in per cent of the model's diagonal."
+        onChange={(percent) => tolerate(fromPercent(percent))}
       />
     </Section>
   );
@@ -76,7 +77,7 @@ function PlaneFields({ editor, plane }: { editor: Editor; plane: Plane }) {
           { value: "x", label: "X", help: "Left and right, for most models." },
           { value: "y", label: "Y" },
           { value: "z", label: "Z" },
-          ...(axis === undefined ? [{ value: "slanted" as const, label: "slanted" }] : []),
+          ...(axis === undefined ? [{ value: "slanted" as const, label: "Tilted" }] : []),
         ]}
         onChange={(to) => to !== "slanted" && put(planeAcross(to, box))}
       />
@@ -84,7 +85,7 @@ function PlaneFields({ editor, plane }: { editor: Editor; plane: Plane }) {
         <p class="hint">The plane's normal is {plane.normal.map((n) => formatNumber(n, 3)).join(", ")}.</p>
       ) : (
         <Slider
-          label="Place"
+          label="Offset"
           value={coordinateOf(plane, axis)}
           min={-Infinity}
           max={Infinity}
@@ -95,7 +96,7 @@ function PlaneFields({ editor, plane }: { editor: Editor; plane: Plane }) {
           suffix={unit === "none" ? "" : unit}
           step={0.01 * (high - low)}
           digits={3}
-          help="Where the plane is along this axis; at first in the middle of the model."
+          help="Position of the plane along this axis. By default the middle of the model."
           onChange={(coordinate) => put(planeAcross(axis, box, coordinate))}
         />
       )}

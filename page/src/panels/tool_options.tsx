@@ -5,18 +5,18 @@ import { CommandButton, CommandLabelButton } from "./command_button";
 import { NumberField, Segments, Slider } from "./ui/fields";
 
 const hints: Record<ToolName, string> = {
-  navigate: "Drag to turn, right-drag to shift, wheel to zoom.",
-  handle: "Paint what to hold, then pull it by the arrows.",
-  vertex: "Click a vertex to hold it.",
-  curve: "Click along the curve; Enter ends it, its first point closes it.",
+  navigate: "Drag to orbit, right-drag to pan, wheel to zoom.",
+  handle: "Paint the area to move, then drag the gizmo.",
+  vertex: "Click a vertex to make it a handle.",
+  curve: "Click points along the curve. Enter finishes it; a click on the first point closes it.",
   brush: "Paint to select.",
   lasso: "Draw around what to select.",
-  box: "Drag a rectangle.",
-  connected: "Click a part to select all of it that is connected.",
-  loop: "Click near a hole to select its boundary.",
+  box: "Drag a rectangle around what to select.",
+  connected: "Click to select everything connected.",
+  loop: "Click near a hole to select its boundary loop.",
   flood: "Click to select up to the next crease.",
 };
-const modifierHints = { set: "Shift adds, Alt takes away.", add: "Alt takes away.", remove: "Shift adds." };
+const modifierHints = { set: "Shift adds, Alt subtracts.", add: "Alt subtracts.", remove: "Shift adds." };
 const painting: readonly ToolName[] = ["handle", "brush"];
 const selecting: readonly ToolName[] = ["brush", "lasso", "box", "connected", "loop", "flood"];
 const seesThrough: readonly ToolName[] = ["handle", "brush", "lasso", "box"];
@@ -33,7 +33,7 @@ export function BrushSize({ tools }: { tools: ToolSettings }) {
       logarithmic
       integer
       suffix="px"
-      help="Radius of the brush. [ and ] change it."
+      help="Radius of the brush, also changed by [ and ]."
       onInput={(radius) => (tools.brushRadiusPx.value = radius)}
       onChange={(radius) => (tools.brushRadiusPx.value = radius)}
     />
@@ -48,17 +48,17 @@ export function ToolOptions({ page }: { page: Page }) {
   const selected = editor.selected.value;
   return (
     <div class="tool-options">
-      <div class="tool-line" role="toolbar" aria-label="Options of the tool">
+      <div class="tool-line" role="toolbar" aria-label="Tool options">
         {painting.includes(tool) && <BrushSize tools={tools} />}
         {tool === "flood" && (
           <Slider
-            label="Crease"
+            label="Crease angle"
             value={tools.floodAngleDeg.value}
             min={0}
             max={180}
             integer
             suffix="°"
-            help="The selection stops where faces meet at more than this angle."
+            help="The selection stops at creases sharper than this angle."
             onChange={(angle) => (tools.floodAngleDeg.value = angle)}
           />
         )}
@@ -68,9 +68,9 @@ export function ToolOptions({ page }: { page: Page }) {
             hideLabel
             value={tools.combine.value}
             choices={[
-              { value: "set", label: "New", help: "Begins a new selection." },
-              { value: "add", label: "Add", help: "Adds to the selection (shift)." },
-              { value: "remove", label: "Take away", help: "Takes away from the selection (alt)." },
+              { value: "set", label: "New", help: "Starts a new selection." },
+              { value: "add", label: "Add", help: "Adds to the selection (Shift)." },
+              { value: "remove", label: "Subtract", help: "Subtracts from the selection (Alt)." },
             ]}
             onChange={(how) => (tools.combine.value = how)}
           />
@@ -116,8 +116,8 @@ function HandleLine({ page }: { page: Page }) {
       {tools.snap.value && (
         <>
           <NumberField
-            label="Step of moves"
-            tip="Step of moves."
+            label="Move step"
+            tip="Snapping step of moves."
             value={tools.snapMove.value === 0 ? usualMove : tools.snapMove.value}
             quantity="length"
             unit={unit}
@@ -128,8 +128,8 @@ function HandleLine({ page }: { page: Page }) {
             onChange={(step) => (tools.snapMove.value = step)}
           />
           <NumberField
-            label="Step of turns"
-            tip="Step of turns."
+            label="Rotation step"
+            tip="Snapping step of rotations."
             value={tools.snapTurnDeg.value}
             quantity="angle"
             suffix="°"

@@ -34,30 +34,30 @@ export function ViewPanel({ page }: { page: Page }) {
   const wireframe = commandOf(page, "wireframe");
   const projection = commandOf(page, "projection");
   return (
-    <Section title="View" hint="How the model is shown. Nothing here changes it.">
+    <Section title="View" hint="Display settings. They do not change the model.">
       <Select
         label="Shading"
         value={view.shading.value}
         choices={shadings}
-        help="Clay shows details best."
+        help="How the surface is drawn. Clay shows details best."
         onChange={(to) => (view.shading.value = to)}
       />
       <Select
         label="Heat map"
         value={view.heatMap.value}
         choices={heatMaps}
-        help="Stretch: how much the surface has grown or shrunk. Detail: how far a vertex stands out of its neighbours. Seam: how a graft in work bends across the edges of its seam."
+        help="Stretch: how much the surface has grown or shrunk. Detail: how far vertices stand out from their neighbours. Seam: how sharply the surface bends at the seam of the graft being edited."
         onChange={(to) => (view.heatMap.value = to)}
       />
       {view.heatMap.value === "stretch" && (
         <Segments
-          label="Stretch of"
+          label="Stretch by"
           value={view.stretchOf.value}
           choices={[
             { value: "area", label: "Areas" },
             { value: "edges", label: "Edges" },
           ]}
-          help="What is compared with the mesh before."
+          help="Compares areas or edge lengths with the mesh before this step."
           onChange={(to) => (view.stretchOf.value = to)}
         />
       )}
@@ -71,17 +71,17 @@ export function ViewPanel({ page }: { page: Page }) {
       <Toggle
         label="Soft shadows"
         value={view.ambientOcclusion.value}
-        help="Darkens hollows, so that shapes are read better. Off is quicker."
+        help="Darkens hollows (ambient occlusion). Faster when off."
         onChange={(on) => (view.ambientOcclusion.value = on)}
       />
       <Toggle
         label="Region and handles"
         value={view.showRoles.value}
-        help="Tints what may move, what is held and what stays."
+        help="Colours the region, the handles and what is fixed."
         onChange={(on) => (view.showRoles.value = on)}
       />
       <Toggle
-        label="Parallel projection"
+        label="Orthographic"
         value={view.orthographic.value}
         help={projection.help}
         keys={keysOf(projection.keys)}
@@ -90,31 +90,31 @@ export function ViewPanel({ page }: { page: Page }) {
       <Toggle
         label="Ground grid"
         value={view.grid.value}
-        help="A grid below the model."
+        help="Shows a grid below the model."
         onChange={(on) => (view.grid.value = on)}
       />
       <Toggle
-        label="Coarser while moving"
+        label="Lower resolution while moving"
         value={view.lessWhileMoving.value}
-        help="Fewer pixels while the view or a handle moves, where this machine is slow."
+        help="Draws fewer pixels while the view or a handle moves, if this machine is slow."
         onChange={(on) => (view.lessWhileMoving.value = on)}
       />
       <Segments
-        label="Up"
+        label="Up axis"
         value={view.up.value}
         choices={[
-          { value: "auto", label: "Auto", help: "As the file says, or by its kind." },
+          { value: "auto", label: "Auto", help: "From the file, or by its format." },
           { value: "y", label: "Y" },
           { value: "z", label: "Z" },
         ]}
-        help="Which axis stands upright."
+        help="The axis that points up."
         onChange={(to) => (view.up.value = to)}
       />
       <Select
         label="Unit"
         value={view.unit.value}
         choices={units}
-        help="What a unit of the model is. 3MF and glTF files name it, others do not."
+        help="The unit of the model's coordinates. 3MF and glTF files state it; other files do not."
         onChange={(to) => view.chooseUnit(to)}
       />
     </Section>

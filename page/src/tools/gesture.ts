@@ -81,7 +81,7 @@ export class Gesture {
     }
   }
 
-  /** Describes the gesture in words: "Turn about X  30.0°". */
+  /** Describes the gesture in words: "Rotate about X  30.0°". */
   label(unit: string): string {
     const typed = this.number.text === "" ? "" : `  [${this.number.text}]`;
     const name = this.grip.axis === "free" ? "" : "XYZ".charAt(this.grip.axis);
@@ -89,7 +89,7 @@ export class Gesture {
     if (this.grip.kind === "turn") {
       const angle = this.angleDeg();
       const turns = Math.abs(angle) >= 360 ? ` (${(angle / 360).toFixed(2)} turns)` : "";
-      return `Turn${name && ` about ${name}`}  ${angle.toFixed(1)}°${turns}${typed}`;
+      return `Rotate${name && ` about ${name}`}  ${angle.toFixed(1)}°${turns}${typed}`;
     }
     const where = name && (this.grip.across === true ? ` across ${name}` : ` along ${name}`);
     if (this.grip.kind === "scale") return `Scale${where}  × ${this.factor().toFixed(3)}${typed}`;

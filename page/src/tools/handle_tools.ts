@@ -138,7 +138,7 @@ export class CurveTool implements Tool {
     const path = to === undefined || last === undefined ? undefined : graph?.path(last, to);
     this.ahead = path ?? Uint32Array.of(...(to === undefined ? [] : [to]));
     if (this.closes) status.say("Click to close the curve", screenPoint);
-    else if (this.clicked.length > 1) status.say("Enter or a double click ends the curve", screenPoint);
+    else if (this.clicked.length > 1) status.say("Enter or a double-click finishes the curve", screenPoint);
     else status.clear();
     this.context.viewport.requestRender();
   }

@@ -216,7 +216,7 @@ export class ConnectedTool extends ClickTool {
     }
     const vertices = graph === undefined ? undefined : this.last?.vertices;
     const key = `part ${surface.id} ${vertices?.[0] ?? "?"}`;
-    return { key, surface, vertices, words: "Connected part", ask: { component_of: vertex } };
+    return { key, surface, vertices, words: "Connected", ask: { component_of: vertex } };
   }
 }
 

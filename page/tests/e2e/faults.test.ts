@@ -74,7 +74,7 @@ test("two tabs: each has its own session, and neither loses what the other does"
   await one.page.getByText("Saved", { exact: true }).waitFor();
   await two.page.bringToFront();
   await saveEditAs(two, "work");
-  await two.page.getByText(/is there already/).waitFor();
+  await two.page.getByText(/already exists/).waitFor();
   await two.click("Replace");
   await two.page.getByText("Saved", { exact: true }).waitFor();
   const theirs = hashOf(folder.file("work.json"));
@@ -111,16 +111,16 @@ test("an engine killed in mid-drag: the page says what to do, and the next one r
   await harness.engine.stop("SIGKILL");
   await page.mouse.move(ball[0] + 60, ball[1] - 40, { steps: 5 });
   await page.mouse.up();
-  await page.getByText("The engine does not answer").waitFor();
+  await page.getByText("meshgraft does not answer").waitFor();
   expect(await page.getByText("Your work is safe").count()).toBeGreaterThan(0);
 
   harness.engine = await Engine.start(["--port", port, folder.file("bar.obj")]);
-  await page.getByText("The engine was started again").waitFor();
-  expect(await page.getByText(/it offers to restore/).count()).toBe(1);
+  await page.getByText("meshgraft was restarted").waitFor();
+  expect(await page.getByText(/to restore what was not saved/).count()).toBe(1);
   await user.screenshot("faults-started-again");
   page.once("dialog", (dialog) => void dialog.accept());
   await page.goto(harness.engine.url);
-  await page.getByText("Go on where you were?").waitFor();
+  await page.getByText("Restore unsaved work?").waitFor();
   await user.click("Restore");
   await user.settle();
   expect((await poseOf(user))?.translate).toEqual([0, 0, 1]); // an unfinished drag is not a change
@@ -197,7 +197,7 @@ test("a dropped file of 2 GB is refused at once, and nobody's memory grows", asy
   await user.drop([big]);
   await page
     .getByRole("alert")
-    .getByText(/are not sent through the browser/)
+    .getByText(/the browser can send up to/)
     .waitFor();
   expect(performance.now() - began).toBeLessThan(3000);
   expect(residentMB() - before).toBeLessThan(20);

@@ -41,7 +41,7 @@ test("shows how the seam bends, and the result's edges", async () => {
   await user.page.getByRole("button", { name: "View", exact: true }).click();
   await user.page.getByLabel("Heat map").selectOption("seam");
   const legend = user.page.locator(".view-legend");
-  await legend.getByText("Bend across the seam's edges").waitFor();
+  await legend.getByText("Bend angle at the seam").waitFor();
   await user.press("z");
   await user.rests();
   await user.screenshot("graft-seam-bends");
@@ -50,7 +50,7 @@ test("shows how the seam bends, and the result's edges", async () => {
   expect(largest).toBeLessThan(4 * (report?.seam?.dihedral_p99_deg ?? 0));
   await user.page.getByRole("radio", { name: "Apart" }).or(user.page.getByText("Apart", { exact: true })).first().click();
   await user.rests();
-  expect(await legend.getByText("Bend across").isVisible()).toBe(false);
+  expect(await legend.getByText("Bend angle").isVisible()).toBe(false);
   expect(user.complaints).toEqual([]);
 });
 
@@ -132,10 +132,10 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
     await user.stroke([[box.x + box.width / 2, box.y + box.height / 2], [box.x + box.width * (0.5 + by), box.y + box.height / 2]], { steps: 10 });
     await grafted(user);
   };
-  await slide("Normal angle", 0.1);
+  await slide("Tilt", 0.1);
   expect(await graftOf(user)).toMatchObject({ normal_angle_deg: expect.closeTo(18, -1) });
   const before = ((await graftOf(user)) as { normal_angle_deg: number }).normal_angle_deg;
-  const angle = user.page.getByRole("slider", { name: "Normal angle" });
+  const angle = user.page.getByRole("slider", { name: "Tilt" });
   await angle.press("ArrowRight");
   await grafted(user);
   expect(await graftOf(user)).toMatchObject({ normal_angle_deg: Math.round(before) + 1 });
@@ -162,7 +162,7 @@ test("turns, twists, mirrors and reshapes while it shows what comes of it, and u
     m[0]![1]! * (m[1]![0]! * m[2]![2]! - m[1]![2]! * m[2]![0]!) +
     m[0]![2]! * (m[1]![0]! * m[2]![1]! - m[1]![1]! * m[2]![0]!);
   expect(det([a!, b!, c!])).toBeLessThan(0);
-  await user.page.getByText("Bends", { exact: true }).click();
+  await user.page.getByText("Bend", { exact: true }).click();
   await grafted(user);
   expect(await graftOf(user)).toMatchObject({ shape: "ft05" });
   for (let i = 0; i < 12; ++i) {
@@ -210,7 +210,7 @@ test("drags what meets along the loop, adds a match and takes it away", async ()
 test("keeps the pose of a part that the gizmo moves, and what is painted fixed", async () => {
   const { user } = await openWithPart("bust", "head", 40, true);
   await grafted(user);
-  await user.page.getByText("Keep", { exact: true }).click();
+  await user.page.getByText("Manual", { exact: true }).click();
   await grafted(user);
   const before = (await graftOf(user)) as { source_transform: number[][] };
   const ball = user.page.locator('.gizmo [data-part="arrow-z"] .halo');
@@ -223,7 +223,7 @@ test("keeps the pose of a part that the gizmo moves, and what is painted fixed",
   expect(after.source_transform[2]![3]! - before.source_transform[2]![3]!).toBeGreaterThan(0.01);
   await user.screenshot("graft-kept-pose");
   expect(report?.graft).toBeGreaterThan(0);
-  await user.click("Paint what stays");
+  await user.click("Paint fixed area");
   await user.rests();
   const part = await user.page.evaluate(() => window.meshgraft.editor.graft.source.value?.mesh ?? -1);
   const face = await user.page.evaluate((mesh) => {

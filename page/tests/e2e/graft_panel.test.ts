@@ -69,8 +69,8 @@ test("a part of a folder is grafted and accepted by keys, and swapped, in the da
   const step = () => page.evaluate(() => window.meshgraft.editor.graft.kept.value);
   expect(await step()).toMatchObject({ source: "head", target: "bust" });
 
-  await page.getByText("More of the graft").click();
-  await user.click("Swap the two");
+  await page.getByText("More options").click();
+  await user.click("Swap part and model");
   await page.waitForFunction(() => window.meshgraft.editor.graft.kept.value?.source === "bust");
   await grafted(user);
   expect(await step()).toMatchObject({ source: "bust", target: "head" });
@@ -93,9 +93,9 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   page.setDefaultTimeout(20_000);
   await user.click("Graft head");
   await grafted(user);
-  await page.getByText("Keep", { exact: true }).click();
+  await page.getByText("Manual", { exact: true }).click();
   await grafted(user);
-  await user.click("Paint what stays");
+  await user.click("Paint fixed area");
   await user.rests();
   const face = await page.evaluate(() => {
     const { viewport, graftView, editor } = window.meshgraft;
@@ -198,13 +198,13 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
   await user.screenshot("steps-refused");
 
   await steps.getByText("1. Graft").click();
-  await typed("Normal angle", "20");
+  await typed("Tilt", "20");
   await typed("Twist by", "90");
   const changed = await fields(0);
   expect(changed["normal_angle_deg"]).toBe(20);
   expect(JSON.stringify(changed["pairs"] ?? changed["matches"])).toMatch(/\d+,\d+/);
   await user.screenshot("steps-graft");
-  await steps.getByText("Bends", { exact: true }).click();
+  await steps.getByText("Bend", { exact: true }).click();
   await user.settle();
   expect((await fields(0))["shape"]).toBe("ft05");
 }, 180_000);

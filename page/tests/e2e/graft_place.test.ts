@@ -63,7 +63,7 @@ test("drops a part from the library onto the surface", async () => {
   const seen = await cameraMatrix();
   await user.page.mouse.move(500, 420, { steps: 5 });
   await user.page.waitForFunction(() => window.meshgraft.editor.graft.dropped.value !== null);
-  await status.getByText("Point where the part is to grow").waitFor();
+  await status.getByText("Point at the surface; click or release to graft").waitFor();
   await user.rests();
   expect(await shownBeside()).toEqual([]); // the part is shown only at the pointer
   await user.screenshot("drop-loaded");
@@ -71,7 +71,7 @@ test("drops a part from the library onto the surface", async () => {
   await user.page.mouse.up();
   await user.page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0);
   expect(await cameraMatrix()).toEqual(seen);
-  expect(await user.page.getByText(/was let go beside the surface/).count()).toBe(0);
+  expect(await user.page.getByText(/was released off the surface/).count()).toBe(0);
 
   const offSurface: Point = await user.page.evaluate(() => {
     const { canvas } = window.meshgraft.viewport;
@@ -79,7 +79,7 @@ test("drops a part from the library onto the surface", async () => {
     return [left + 30, bottom - 120] as const;
   });
   await user.stroke([[thumbnail.x + 30, thumbnail.y + 30], [500, 420], offSurface]);
-  await user.page.getByText("Cylinder was let go beside the surface, so nothing is added").waitFor();
+  await user.page.getByText("Cylinder was released off the surface, so nothing was added").waitFor();
   await user.screenshot("drop-missed");
   expect(await user.page.evaluate(() => window.meshgraft.editor.graft.parts.value.length)).toBe(0);
   expect(await graftOf(user)).toBeNull();
@@ -124,7 +124,7 @@ test("drops a part from the library onto the surface", async () => {
   expect(report?.error).toBeUndefined();
   expect(await shownBeside()).toEqual([]);
   expect(await cameraMatrix()).toEqual(before);
-  await status.getByText("Grafted; Accept keeps it").waitFor();
+  await status.getByText("Grafted; Accept to finish").waitFor();
   const counts = await user.page.evaluate(() => {
     const frame = window.meshgraft.editor.graft.preview.value;
     return { shown: frame?.indices("triangles")?.length ?? 0, model: window.meshgraft.editor.state.value?.model.faces };

@@ -49,7 +49,7 @@ test("Done hands the edit to the program that waits, and ends the editor", async
   expect(await ended).toBe(0);
   expect(translation(result)).toEqual([0.5, 0, 0]);
   await user.screenshot("handed-back");
-  expect(await user.page.getByText("The engine does not answer").count()).toBe(0);
+  expect(await user.page.getByText("meshgraft does not answer").count()).toBe(0);
   expect(user.complaints).toEqual([]);
 });
 

@@ -67,7 +67,7 @@ test("a dropped file keeps its name, and its defects are told until that is dism
   await told.waitFor();
   const words = await told.innerText();
   expect(words).toContain("more than two faces");
-  expect(words).toContain("meshgraft repair 'Bär 熊 (2).obj'");
+  expect(words).toContain("can disturb editing");
   await user.screenshot("opening-defects");
   await told.getByRole("button", { name: /dismiss|close/i }).first().click();
   await told.waitFor({ state: "detached" });

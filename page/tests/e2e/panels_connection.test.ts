@@ -21,7 +21,7 @@ test("a connection that is lost comes back with all changes", async () => {
     await user.page.reload();
     await openAndMove(harness);
     await user.page.evaluate(() => window.meshgraft.editor["connection"]["socket"]?.close());
-    await user.page.getByText("The connection was lost, and is back.").waitFor();
+    await user.page.getByText("Reconnected.").waitFor();
     await user.settle();
     const handles = await user.page.evaluate(() => window.meshgraft.editor.state.value?.handles);
     expect(handles?.map(({ name, pose }) => ({ name, pose }))).toEqual([{ name: "top", pose: { translate: [0.5, 0, 0] } }]);
@@ -41,15 +41,15 @@ test("an engine that is killed: the page says so, and the next one offers to res
     await page.reload();
     await openAndMove(harness);
     await harness.engine.stop("SIGKILL");
-    await page.getByText("The engine does not answer").waitFor();
+    await page.getByText("meshgraft does not answer").waitFor();
     await user.screenshot("panels-lost");
 
     harness.engine = await Engine.start(["--port", port, folder.file("bar.obj")]);
-    await page.getByText("The engine was started again").waitFor();
+    await page.getByText("meshgraft was restarted").waitFor();
     await user.screenshot("panels-started-again");
     page.once("dialog", (dialog) => void dialog.accept()); // leaves despite unsaved changes
     await page.goto(harness.engine.url);
-    await page.getByText("Go on where you were?").waitFor();
+    await page.getByText("Restore unsaved work?").waitFor();
     await user.screenshot("panels-restore");
     await user.click("Restore");
     await page.waitForFunction(() => window.meshgraft.editor.state.value?.handles.length === 1);
@@ -74,7 +74,7 @@ test("the token leaves the address and the history, and a reload still has it", 
     await isConnected();
     await page.evaluate(() => sessionStorage.clear());
     await page.reload();
-    await page.getByText("The address is not complete").waitFor();
+    await page.getByText("The address is incomplete").waitFor();
     await harness.user.screenshot("panels-without-token");
   } finally {
     await harness.close();
@@ -97,7 +97,7 @@ test("a page that is loaded again has what it had, with all changes", async () =
     await page.reload();
     await openAndMove(harness);
     await again();
-    await page.getByText("The page was loaded again.").waitFor();
+    await page.getByText("The page was reloaded.").waitFor();
     expect(await handles()).toEqual([{ translate: [0.5, 0, 0] }]);
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.dirty)).toBe(true);
     expect(await page.getByRole("dialog").count()).toBe(0);

@@ -52,7 +52,7 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await user.page.getByLabel("Unit", { exact: true }).selectOption("mm"); // a sample has no unit of its own
   await user.click("View");
   await type("Move X", "5 cm");
-  await type("Turn angle", "2 turns");
+  await type("Rotation angle", "2 turns");
   await type("Scale", "150 %");
   expect((await state())?.handles[0]?.pose).toEqual({
     translate: [50, 0, 0], rotate: { axis: [0, 0, 1], angle_deg: 720 }, scale: [1.5, 1.5, 1.5],
@@ -60,7 +60,7 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await type("Move Y", "nonsense");
   expect((await state())?.handles[0]?.pose.translate).toEqual([50, 0, 0]);
   await user.screenshot("panels-pose");
-  for (const [text, says] of [["0", "more than 0"], ["-2", "more than 0"], ["nothing", "a factor: 1.5, 150 %"]] as const) {
+  for (const [text, says] of [["0", "more than 0"], ["-2", "more than 0"], ["nothing", "Enter a factor, such as 1.5 or 150 %"]] as const) {
     await type("Scale", text);
     const field = user.page.getByRole("textbox", { name: "Scale", exact: true });
     expect(await field.getAttribute("aria-invalid")).toBe("true");
@@ -77,12 +77,12 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await user.page.getByLabel(/^New name of/).fill("end");
   await user.press("Enter");
   await user.page.getByRole("button", { name: /^end/ }).waitFor();
-  await user.click("Put back");
+  await user.click("Reset");
   await user.settle();
   expect((await state())?.handles[0]?.pose).toEqual({});
   await user.click("More for end");
   await user.page.getByRole("menuitem", { name: "Remove" }).click();
-  await user.page.getByText("Paint over the part that you want to move.").first().waitFor();
+  await user.page.getByText("Paint the area that you want to move.").first().waitFor();
   expect((await state())?.handles).toEqual([]);
 });
 
@@ -92,11 +92,11 @@ test("changes are undone and done again, and named", async () => {
   await type("Move X", "1");
   const { page } = user;
   const undo = page.getByRole("button", { name: "Undo" });
-  expect(await undo.getAttribute("data-tip")).toBe("Takes back: move");
+  expect(await undo.getAttribute("data-tip")).toBe("Undo: move");
   await user.click("Undo");
   await user.settle();
   expect((await state())?.handles[0]?.pose).toEqual({});
-  expect(await page.getByRole("button", { name: "Redo" }).getAttribute("data-tip")).toBe("Does again: move");
+  expect(await page.getByRole("button", { name: "Redo" }).getAttribute("data-tip")).toBe("Redo: move");
   await user.press("Control+Shift+z");
   await user.settle();
   expect((await state())?.handles[0]?.pose).toEqual({ translate: [1, 0, 0] });
@@ -111,11 +111,11 @@ test("methods switch, and show what applies to them", async () => {
   const { user } = harness;
   await makeHandle();
   await type("Reach", "2.5");
-  await type("Turn angle", "90");
+  await type("Rotation angle", "90");
   const frames = async (label: string) => {
     await user.page.getByText(label, { exact: true }).click();
     await user.page.waitForFunction((label) => {
-      const names: Record<string, string> = { Linear: "ft05", Natural: "corotational", "Smooth turns": "rotation-aware" };
+      const names: Record<string, string> = { Linear: "ft05", Natural: "corotational", "Smooth rotation": "rotation-aware" };
       return (window.meshgraft.editor.state.value?.settings as { method?: string }).method === names[label];
     }, label);
     await user.settle();
@@ -125,7 +125,7 @@ test("methods switch, and show what applies to them", async () => {
   expect(await user.page.getByLabel("Stiffness").count()).toBe(0);
   const natural = await frames("Natural");
   expect(await user.page.getByLabel("Stiffness").count()).toBeGreaterThan(0);
-  await frames("Smooth turns");
+  await frames("Smooth rotation");
   expect(await user.page.getByLabel("Smoothing").count()).toBe(0);
   let difference = 0;
   linear.forEach((x, i) => (difference = Math.max(difference, Math.abs(x - (natural[i] ?? 0)))));
@@ -168,7 +168,7 @@ test("the preset is switched on and off, and the panel shows its settings", asyn
   await user.press("Control+Shift+z");
   await user.settle();
   expect(await preset.isChecked()).toBe(true);
-  await page.getByRole("button", { name: "Back to the usual" }).click();
+  await page.getByRole("button", { name: "Restore defaults" }).click();
   await user.settle();
   expect(await preset.isChecked()).toBe(false);
   expect(await shown()).toMatchObject({ method: "ft05", laplacian_weight: 20 });
@@ -237,7 +237,7 @@ test("symmetric editing has its plane", async () => {
   await page.locator(".section").filter({ hasText: "Symmetric editing" }).getByText("Z", { exact: true }).click();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry?.plane.normal[2] === 1);
   await makeHandle();
-  await page.getByText(/^Twins: handle 1/).waitFor();
+  await page.getByText(/^Mirrored: handle 1/).waitFor();
   await type("Move X", "1");
   await user.screenshot("panels-symmetry");
   const positions = await harness.savedPositions();

@@ -37,7 +37,7 @@ test("an upload is refused before it is sent, cancelled, and opened", async () =
     void route.continue();
   });
   await chooser.setInputFiles(big);
-  await user.page.getByRole("alert").getByText(/are not sent through the browser/).waitFor();
+  await user.page.getByRole("alert").getByText(/the browser can send up to/).waitFor();
   expect(sent).toBe(0);
   await user.screenshot("panels-upload-refused");
   await user.click("Close the message");
@@ -97,9 +97,9 @@ test("saving asks where, then not again, and before it replaces", async () => {
   await user.page.getByRole("dialog").getByRole("textbox").fill("other");
   await user.page.getByRole("dialog").getByText("other.json").waitFor();
   await user.press("Enter");
-  await user.page.getByText(/is there already/).waitFor();
+  await user.page.getByText(/already exists/).waitFor();
   await user.screenshot("panels-replace");
-  await user.click("Keep it");
+  await user.click("Don't replace");
   expect(hashOf(other)).toBe(before);
   await user.page.getByRole("dialog").getByRole("button", { name: "Save", exact: true }).click();
   await user.click("Replace");
@@ -176,7 +176,7 @@ test("the mesh is exported as it is shown, also as a morph target", async () => 
   await user.press("Control+e");
   await user.page.getByLabel("Format").selectOption(".glb");
   await user.page.getByRole("switch", { name: "As a morph target" }).check();
-  await user.page.getByLabel("Name of the target").fill("lean");
+  await user.page.getByLabel("Name of the morph target").fill("lean");
   await user.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
   await user.page.getByText("Exported", { exact: true }).waitFor();
   const glb = folder.file("bar_deformed.glb");

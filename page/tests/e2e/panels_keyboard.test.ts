@@ -78,7 +78,7 @@ test.each([false, true])("a model is opened, deformed and saved without a pointe
     await page.keyboard.press("Shift+Tab"); // leaves the number field, where typed letters are no commands
     await tabTo(user, /^Natural|^Method/);
     await user.press("F1");
-    await page.getByRole("dialog").getByText("In two minutes").waitFor();
+    await page.getByRole("dialog").getByText("Two-minute tour").waitFor();
     await user.screenshot(`panels-help-${name}`);
     await user.press("Escape");
     await page.getByRole("dialog").waitFor({ state: "detached" });
@@ -122,7 +122,7 @@ test("tools go by arrows in their bar, and work that takes long is cancelled", a
   const { page } = user;
   try {
     await harness.openSample("bar", 8);
-    await tabTo(user, /^Look around$/);
+    await tabTo(user, /^Navigate$/);
     await user.press("ArrowDown");
     await user.press("Enter");
     expect(await page.evaluate(() => window.meshgraft.editor.tools.tool.value)).toBe("handle");

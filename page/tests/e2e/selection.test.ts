@@ -69,7 +69,7 @@ test("connected parts, all, grown, shrunk and inverted", async () => {
   await user.press("c");
   await user.page.mouse.move(...top);
   await user.page.waitForSelector(".tool-status:not([display])", { state: "attached" });
-  expect(await user.page.textContent(".tool-status text")).toMatch(/^Connected part/);
+  expect(await user.page.textContent(".tool-status text")).toMatch(/^Connected/);
   await user.screenshot("tools-connected");
   const part = await selectedAfter(user, () => user.clickAt(top));
   expect(part.length).toBeGreaterThan(1000);

@@ -91,7 +91,7 @@ test("what is done on one side of the plane happens on the other, to a millionth
   await user.stroke([at, [at[0] + 14, at[1] + 4]]);
   await page.waitForFunction(() => window.meshgraft.editor.tools.activeHandle.value !== null);
   await user.settle();
-  await page.getByText(/^Twins: handle 1/).waitFor();
+  await page.getByText(/^Mirrored: handle 1/).waitFor();
   const name = await page.evaluate(() => window.meshgraft.editor.tools.activeHandle.value ?? "");
   const held = await verticesOf(user, name);
   expect(held.every((v) => (rest[3 * v + 1] as number) > 0)).toBe(true);
@@ -122,7 +122,7 @@ test("a refusal names the tolerance that would do, and takes it by a click", asy
   const { page } = user;
   await harness.openSample("octopus", 30);
   const tolerance = page.locator(".section").filter({ hasText: "Symmetric editing" }).getByRole("textbox", { name: "Tolerance" });
-  await tolerance.fill("1e-6"); // the field is there while symmetry is off, too
+  await tolerance.fill("0.0001"); // per cent; the field is there while symmetry is off, too
   await tolerance.press("Enter");
   await page.getByRole("switch", { name: "Symmetric editing" }).check();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry?.tolerance_rel === 1e-6);
@@ -135,7 +135,7 @@ test("a refusal names the tolerance that would do, and takes it by a click", asy
   await told.waitFor();
   await user.screenshot("symmetry-refused");
   expect(await told.textContent()).not.toContain("tolerance_rel");
-  await told.getByRole("button", { name: /^Use 0\.\d+$/ }).click();
+  await told.getByRole("button", { name: /^Use [\d.]+ %$/ }).click();
   await page.waitForFunction(() => window.meshgraft.editor.isIdle());
   const { symmetry, handles } = (await page.evaluate(() => window.meshgraft.editor.state.value)) ?? {};
   expect(symmetry?.tolerance_rel).toBeGreaterThan(1e-6);

@@ -75,7 +75,7 @@ test("a selection, handles, moves and an accepted step are all taken back, to th
   expect((await verticesOf(user, name)).length).toBeGreaterThan(0);
   for (const key of ["r", "z", "4", "5", "Enter"]) await user.press(key);
   await user.settle();
-  await user.page.getByText("Smooth turns", { exact: true }).click();
+  await user.page.getByText("Smooth rotation", { exact: true }).click();
   await user.settle();
   await user.screenshot("undo-before");
   expect(hashOf(await exported(harness, "bent"))).not.toBe(opened);
@@ -163,7 +163,7 @@ for (const method of ["corotational", "ft05"])
     await strays(user, moved);
     await pressAtOnce(user, [{ key: "g" }]);
     await page.mouse.move(520, 300, { steps: 4 });
-    await page.getByRole("button", { name: "Put back" }).click();
+    await page.getByRole("button", { name: "Reset", exact: true }).click();
     await user.settle();
     await user.press("Escape");
     await strays(user, 0);

@@ -1,6 +1,6 @@
 import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
-import type { Box } from "../../src/app/editor";
+import { withMessage, type Box, type Message } from "../../src/app/editor";
 import { handleColour, groupColour } from "../../src/app/colours";
 import { isAtRest, nameOfAxis, numbersOf, withNumbers } from "../../src/app/handle_pose";
 import { liveWords, progressWords } from "../../src/app/live_words";
@@ -77,7 +77,7 @@ describe("what the engine says of symmetry", () => {
     expect(inPanelWords(refused)).toEqual({
       problem: "3 of the 40 vertices of “left arm” lack a mirror image",
       location: "",
-      remedy: expect.stringContaining("a tolerance of 0.033"),
+      remedy: expect.stringContaining("A tolerance of 3.3 %"),
     });
     expect(lacks({ lost: 40 })).toBe("all 40 vertices of “left arm” lack a mirror image");
     expect(lacks({ lost: 1 })).toBe("1 of the 40 vertices of “left arm” lacks a mirror image");
@@ -173,7 +173,7 @@ describe("the status line", () => {
     const error: EngineError = {
       id: "deform.nothing", code: "unsolvable", fields: {}, problem: "nothing holds it", location: "", remedy: "Fix some.", notes: [],
     };
-    expect(liveWords(set, { event: "live", stage: "failed", error })).toEqual({ tone: "problem", text: "nothing holds it", explained: "Fix some." });
+    expect(liveWords(set, { event: "live", stage: "failed", error })).toEqual({ tone: "problem", text: "Cannot be solved", explained: "Nothing holds it. Fix some." });
   });
   test("words progress by its task, or by its stage", () => {
     expect(progressWords({ stage: "factorise" })).toBe("solving the equations");
@@ -238,4 +238,20 @@ test("colours of handles are told apart, and groups take what is free", () => {
   expect(new Set([0, 1, 2, 3].map(handleColour)).size).toBe(4);
   const first = groupColour([]);
   expect(groupColour([first])).not.toBe(first);
+});
+
+describe("messages", () => {
+  const about = (problem: string, more: Partial<Message> = {}): Message => ({
+    key: 0, kind: "problem", told: { problem, location: "", remedy: "" }, ...more,
+  });
+  const problems = (all: readonly Message[]) => withAll(all).map(({ told }) => told.problem);
+  const withAll = (all: readonly Message[]) => all.reduce<readonly Message[]>(withMessage, []);
+  test("replace an earlier one on the same topic or of the same request", () => {
+    expect(problems([about("a", { topic: "written" }), about("b", { topic: "written" })])).toEqual(["b"]);
+    expect(problems([about("a", { of: "graft" }), about("b", { of: "graft" })])).toEqual(["b"]);
+    expect(problems([about("a", { of: "graft" }), about("b", { of: "save" })])).toEqual(["a", "b"]);
+  });
+  test("that say the same are shown once, and others stand beside each other", () => {
+    expect(problems([about("a"), about("a", { of: "graft" }), about("b")])).toEqual(["a", "b"]);
+  });
 });

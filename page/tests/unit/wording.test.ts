@@ -152,9 +152,9 @@ describe("an error", () => {
   });
 });
 
-test("defects are told with the command that mends them", () => {
+test("defects are told without the path of the file", () => {
   const note = noteOf(rowNamed("editor.defects"), { file: "a.obj", path: "it's a.obj", repaired: "b.obj" });
   expect(noteWords(note)).toBe(
-    "The file a.obj has defects that editing may come upon. This mends them: meshgraft repair 'it'\\''s a.obj' -o b.obj",
+    "The file a.obj has defects that can disturb editing. The command meshgraft repair writes a repaired copy.",
   );
 });

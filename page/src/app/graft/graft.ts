@@ -239,8 +239,8 @@ export class Graft {
     const { name = "The part", isNew = true } = this.dropped.value ?? {};
     await this.cancelDrop();
     this.host.note(
-      `${name} was let go beside the surface, so nothing is ${isNew ? "added" : "grafted"}`,
-      "Drag it again, and let it go on the model, where it is to grow.",
+      `${name} was released off the surface, so nothing was ${isNew ? "added" : "grafted"}`,
+      "Drag it again and release it on the model.",
     );
   }
 

@@ -1,7 +1,6 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { Graft } from "./graft";
 import type { LiveWords } from "../live_words";
-import { inPanelWords } from "../wording";
 
 /** Returns what the user has to do before a graft can start; undefined without a part. */
 export function pairingWords(graft: Graft): string | undefined {
@@ -13,12 +12,12 @@ function nextAction(graft: Graft): string | undefined {
   const waiting = graft.parts.value.filter((part) => graft.isShown(part));
   if (waiting.length === 0) return undefined;
   const open = waiting.filter((part) => part.loops > 0);
-  if (open.length === 0) return "The part has no open boundary: cut it first, by a plane or along a curve";
+  if (open.length === 0) return "The part has no open boundary: cut it open first";
   if ((graft.model.value?.loops ?? 0) === 0)
-    return "The model has no open boundary: cut it, or drop the part on its surface";
+    return "The model has no open boundary: cut it open, or drop the part on its surface";
   return graft.picked.value === null
-    ? "Click a loop of the model and a loop of a part: these two meet"
-    : "Now click the loop of the other one that it meets";
+    ? "Click a loop of the model and the loop of the part to join to it"
+    : "Now click the loop of the other mesh to join to it";
 }
 
 /** Returns in few words what graft mode waits for. */
@@ -27,39 +26,39 @@ export function graftWords(graft: Graft): LiveWords {
   switch (graft.tool.value) {
     case "plane":
       return graft.cutPlane.value === null
-        ? idle("Drag across the surface to lay the plane")
-        : idle("Move the plane, then choose the side to keep");
+        ? idle("No plane yet")
+        : idle("Choose the side to keep");
     case "stroke":
       return graft.cutCurve.value?.closed === true
         ? idle("Choose the side to keep")
-        : idle("Draw a closed curve around what is to come off");
+        : idle("No closed curve yet");
     case "drop":
-      return idle("Point where the part is to grow; a click, or letting go, grafts it");
+      return idle("Point at the surface; click or release to graft");
     case "fixed":
-      return idle("Paint what of the part must stay, then Done");
+      return idle("Painting the fixed area");
     case "loops":
       return graft.kept.value === undefined ? beforeGraft(graft) : inGraft(graft, graft.pairs.value.length);
   }
 }
 
 function beforeGraft(graft: Graft): LiveWords {
-  const text = nextAction(graft) ?? "Add a part from the library, or drag one onto the surface";
+  // The panel says what to do once there is a part.
+  const text = nextAction(graft) === undefined ? "Add a part from the library, or drag one onto the surface" : "Not grafted yet";
   return { tone: "idle", text, explained: "" };
 }
 
 function inGraft(graft: Graft, pairs: number): LiveWords {
   const { value: report } = graft.report;
   if (report?.error !== undefined) {
-    const { problem, remedy } = inPanelWords(report.error);
-    return { tone: "problem", text: problem, explained: remedy };
+    return { tone: "problem", text: "Cannot be grafted", explained: "The panel Graft says why." };
   }
   if (pairs === 0 && graft.kept.value?.at === undefined)
-    return { tone: "idle", text: "Click a loop on each to pair them", explained: "" };
+    return { tone: "idle", text: "No loops paired yet", explained: "" };
   if ((report?.ambiguous_starts ?? []).length > 0)
-    return { tone: "warning", text: "Say where the loops meet: drag their numbered starts, or twist", explained: "They fit alike in several ways." };
+    return { tone: "warning", text: "Rotation unclear", explained: "The loops fit equally well in several rotations." };
   if (graft.preview.value === null || graft.dragged.value !== null)
-    return { tone: "busy", text: "Working out the graft", explained: "A preview comes in a moment." };
-  return { tone: "good", text: "Grafted; Accept keeps it", explained: "Change it as you like before: the panel and the view show what comes of it." };
+    return { tone: "busy", text: "Grafting…", explained: "A preview follows in a moment." };
+  return { tone: "good", text: "Grafted; Accept to finish", explained: "You can still change it. The view shows the result." };
 }
 
 /** The size of the shown objects. */

@@ -13,7 +13,7 @@ export function CutPanel({ page }: { page: Page }) {
     <Section
       title="Cut"
       startsOpen
-      hint="A closed model has no loop to graft at: cut one open, by a plane or along a closed curve."
+      hint="Cuts a mesh open, for grafting, by a plane or along a closed curve."
     >
       {inWork && <p class="hint">Accept or cancel the graft first.</p>}
       {!inWork && (
@@ -23,9 +23,9 @@ export function CutPanel({ page }: { page: Page }) {
             hideLabel
             value={chosen}
             choices={[
-              { value: "none", label: "Nothing" },
-              { value: "plane", label: "Plane", help: "Draw a line across what is to be cut, or start from an axis." },
-              { value: "stroke", label: "Curve", help: "Draw around what is to come off." },
+              { value: "none", label: "Off" },
+              { value: "plane", label: "Plane", help: "Draw a line across the mesh, or choose an axis." },
+              { value: "stroke", label: "Curve", help: "Draw around the piece to cut off." },
             ]}
             onChange={(value) => {
               graft.tool.value = value === "none" ? "loops" : value;
@@ -50,7 +50,7 @@ export function CutInWork({ page }: { page: Page }) {
   const tool = page.editor.graft.tool.value;
   if (tool !== "plane" && tool !== "stroke") return null;
   return (
-    <div class="cut-in-work" role="region" aria-label="Cut in work">
+    <div class="cut-in-work" role="region" aria-label="Current cut">
       {tool === "plane" ? <PlaneFields page={page} /> : <CurveFields page={page} />}
     </div>
   );
@@ -67,9 +67,9 @@ function PlaneFields({ page }: { page: Page }) {
   return (
     <>
       <Select
-        label="Of"
+        label="Cut"
         value={name}
-        help="What is cut."
+        help="The mesh to cut."
         choices={objects.map((object) => ({ value: object.name, label: object.name }))}
         onChange={(value) => page.graft.setPlane(graft.byName(value)?.mesh ?? -1, 2)}
       />
@@ -84,28 +84,28 @@ function PlaneFields({ page }: { page: Page }) {
       </div>
       {plane !== undefined && (
         <Slider
-          label="Place"
+          label="Offset"
           min={-plane.limit}
           max={plane.limit}
           step={plane.limit / 50}
           digits={3}
           value={plane.offset}
-          help="Along the plane's normal, from the middle."
+          help="Position of the plane along its normal, from the middle."
           onInput={(value) => page.graft.movePlane(value)}
           onChange={(value) => page.graft.movePlane(value)}
         />
       )}
-      {cut === null && <p class="hint">Draw a line across the model, also from beside it to beside it, or start from an axis. The middle button turns the view.</p>}
+      {cut === null && <p class="hint">Draw a line across the model, or choose an axis. Middle-drag orbits.</p>}
       {cut !== null && (
         <div class="buttons">
           <Button
             label="Keep blue side"
             kind="primary"
-            tip="What lies on the blue side of the plane stays."
+            tip="Keeps what lies on the blue side of the plane."
             onClick={() => void graft.cut("above")}
           />
           <Button label="Keep red side" onClick={() => void graft.cut("below")} />
-          <Button label="Both" tip="Cuts, and takes nothing away." onClick={() => void graft.cut("both")} />
+          <Button label="Split, keep both" tip="Cuts the mesh and removes nothing." onClick={() => void graft.cut("both")} />
         </div>
       )}
     </>
@@ -118,8 +118,7 @@ function CurveFields({ page }: { page: Page }) {
   if (curve === null || !curve.closed)
     return (
       <p class="hint">
-        Draw on the surface, and back to where you began. Turn the view between strokes to go round; Enter
-        closes the curve, Backspace takes a point back.
+        Draw a closed curve on the surface, around the piece to cut off.
       </p>
     );
   return (
@@ -127,12 +126,12 @@ function CurveFields({ page }: { page: Page }) {
       <Button
         label="Keep inside"
         kind="primary"
-        tip="What the curve goes around, as you saw it, stays."
+        tip="Keeps what the curve encloses, as you drew it."
         keys="Enter"
         onClick={() => void graft.cut("above")}
       />
       <Button label="Keep outside" onClick={() => void graft.cut("below")} />
-      <Button label="Both" tip="Cuts, and takes nothing away." onClick={() => void graft.cut("both")} />
+      <Button label="Split, keep both" tip="Cuts the mesh and removes nothing." onClick={() => void graft.cut("both")} />
       <Button label="Draw again" kind="quiet" onClick={() => (graft.cutCurve.value = null)} />
     </div>
   );

@@ -24,13 +24,13 @@ export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProp
   return (
     <>
       <Slider
-        label="Normal angle"
+        label="Tilt"
         {...degrees}
         softMin={-90}
         softMax={90}
         step={5}
         value={step.normalAngleDeg}
-        help="Turns the way the part leaves the surface, about the loop."
+        help="The angle at which the part leaves the surface."
         onInput={(value) => drag?.({ normal_angle_deg: value })}
         onChange={(value) => keep({ normal_angle_deg: value === 0 ? null : value })}
       />
@@ -51,14 +51,14 @@ export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProp
             value={step.size ?? foundSize ?? 1}
             help={
               step.size === undefined
-                ? "As the loops ask for. Drag to choose it."
-                : "The part's scale, as you chose it."
+                ? "Found from the loops. Drag to set it yourself."
+                : "The scale of the part, set by you."
             }
             onInput={(value) => drag?.({ size: value })}
             onChange={(value) => keep({ size: value })}
           />
           {step.size !== undefined && (
-            <IconButton label="Size as the loops ask for" icon="reset" onClick={() => keep({ size: null })} />
+            <IconButton label="Reset size" icon="reset" onClick={() => keep({ size: null })} />
           )}
         </div>
       )}
@@ -74,7 +74,7 @@ function Spin({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "twist">) {
       {...degrees}
       step={15}
       value={step.at?.spin_deg ?? 0}
-      help="Turns the part about the surface's normal."
+      help="Rotates the part about the surface's normal."
       onInput={(value) => drag?.(at(value))}
       onChange={(value) => keep(at(value))}
     />
@@ -86,10 +86,10 @@ export function ShapeField({ step, keep }: GraftFieldsProps) {
     <Segments
       label="Shape"
       value={step.shape}
-      help="Away from the seam the part keeps its shape, or all of it bends with the loops (linear, as in the paper)."
+      help="The part keeps its shape away from the seam, or all of it bends to fit the loops (linear, as in the paper)."
       choices={[
-        { value: "similar", label: "Keeps it" },
-        { value: "ft05", label: "Bends" },
+        { value: "similar", label: "Keep" },
+        { value: "ft05", label: "Bend" },
       ]}
       onChange={(shape) => keep({ shape })}
     />
@@ -116,7 +116,7 @@ export function MirrorField({ step, keep, middle }: GraftFieldsProps & { middle:
     <Select
       label="Mirror"
       value={value}
-      help="Mirrors the part first: a left hand becomes a right one."
+      help="Mirrors the part first. A left hand becomes a right one."
       choices={[
         { value: "none", label: "No" },
         { value: "x", label: "Across X" },
@@ -135,13 +135,13 @@ export function LoopToggles({ step, keep }: GraftFieldsProps) {
       <Toggle
         label="Smooth ragged loops"
         value={step.smoothBoundary}
-        help="Matches smoothed curves where a boundary is frayed."
+        help="Smooths frayed boundaries before they are matched."
         onChange={(on) => keep({ smooth_boundary: on || null })}
       />
       <Toggle
-        label="Turn part inside out"
+        label="Flip normals of part"
         value={step.fixWinding}
-        help="For a part whose faces point inward."
+        help="For a part whose normals point inward."
         onChange={(on) => keep({ fix_winding: on || null })}
       />
     </>

@@ -27,7 +27,7 @@ export function PartLibrary({ page }: { page: Page }) {
   return (
     <Section
       title="Part library"
-      hint="Click a part to put it beside the model, or drag it onto the surface: there it follows the pointer, and is grafted where you let go."
+      hint="Click a part to add it beside the model, or drag it onto the surface to graft it there."
       startsOpen
     >
       <GivenParts page={page} />
@@ -48,7 +48,7 @@ export function PartLibrary({ page }: { page: Page }) {
         <Button
           label="Choose a file…"
           icon="upload"
-          tip="A model of this computer, as a part."
+          tip="Adds a file of this computer as a part."
           onClick={() => input.current?.click()}
         />
         <input
@@ -82,7 +82,7 @@ function GivenParts({ page }: { page: Page }) {
     (path) => !names.has(stem(path)) && !path.endsWith(".json"),
   );
   if (others.length === 0) return null;
-  return <Cards page={page} label="Given with the model" offered={others.map((path) => fromFile(path))} />;
+  return <Cards page={page} label="Opened with the model" offered={others.map((path) => fromFile(path))} />;
 }
 
 function SampleParts({ page }: { page: Page }) {
@@ -152,7 +152,7 @@ function Card({ page, offered }: { page: Page; offered: Offered }) {
         type="button"
         class="part-main"
         aria-label={`Add ${name}`}
-        data-tip={`${tip}. Click: beside the model. Drag: onto the surface.`}
+        data-tip={`${tip}. Click to add it beside the model, or drag it onto the surface.`}
         onPointerDown={(event) => page.graft.dragPart(add, event)}
         onClick={() => void graft.addPart(source)}
       >
@@ -162,7 +162,7 @@ function Card({ page, offered }: { page: Page; offered: Offered }) {
       <IconButton
         label={`Drop ${name} on the surface`}
         icon="region"
-        tip="Then click where it is to grow."
+        tip="Then click the place on the surface."
         onClick={() => void page.graft.dropByClick(add)}
       />
     </li>

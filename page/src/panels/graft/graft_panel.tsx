@@ -1,8 +1,8 @@
 import { useEffect, useRef } from "preact/hooks";
 import type { Arrangement } from "../../app/graft/graft";
 import { cssColour, pairColour } from "../../app/graft/graft_colours";
-import { asTyped } from "../../app/units";
-import type { GraftFields, GraftStep, AmbiguousStart } from "../../app/graft/graft_step";
+import { asTyped, counted } from "../../app/units";
+import type { GraftFields, GraftStep } from "../../app/graft/graft_step";
 import { withoutMatch, withoutPair } from "../../app/graft/graft_step";
 import { pairingWords } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
@@ -44,13 +44,13 @@ function Pairing({ page }: { page: Page }) {
 }
 
 const arrangements = [
-  { value: "result", label: "Result", help: "What comes of it, seam included." },
+  { value: "result", label: "Result", help: "The grafted mesh with its seam." },
   {
     value: "both",
     label: "With part",
-    help: "What comes of it, and the part beside it, with lines of what meets what.",
+    help: "The result with the part beside it, and lines between matching points.",
   },
-  { value: "apart", label: "Apart", help: "Both as they were, with lines of what meets what." },
+  { value: "apart", label: "Apart", help: "Model and part as they were, with lines between matching points." },
 ] as const;
 
 function GraftPanel({ page }: { page: Page }) {
@@ -61,7 +61,7 @@ function GraftPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Graft"
-      hint={`${step.source} onto ${step.target}. Click loops to pair them; drag the numbered starts along them.`}
+      hint={`${step.source} onto ${step.target}. Click loops to pair them; drag the numbered markers along them.`}
       startsOpen
     >
       <Segments
@@ -80,12 +80,12 @@ function GraftPanel({ page }: { page: Page }) {
         middle={() => page.graft.centreOf(graft.source.value?.mesh ?? -1)}
       />
       {step.at === undefined && <PoseFields page={page} step={step} />}
-      <More label="More of the graft">
+      <More label="More options">
         <LoopToggles step={step} keep={keep} />
         <Button
-          label="Swap the two"
+          label="Swap part and model"
           icon="reset"
-          tip="The part becomes what is grafted onto."
+          tip="Grafts the model onto the part instead."
           onClick={() => void page.editor.ask({ do: "graft", what: "swap" })}
         />
       </More>
@@ -96,14 +96,14 @@ function GraftPanel({ page }: { page: Page }) {
           icon="accept"
           kind="primary"
           keys="Ctrl+Enter"
-          tip="Keeps the graft. What comes next starts from it."
+          tip="Finishes the graft. The next step starts from it."
           disabled={graft.report.value?.error !== undefined}
           onClick={() => void graft.accept()}
         />
         <Button
           label="Cancel"
           kind="quiet"
-          tip="Takes the graft back; the part stays."
+          tip="Discards the graft. The part stays."
           onClick={() => void graft.cancel()}
         />
       </div>
@@ -117,7 +117,7 @@ function Pairs({ page }: { page: Page }) {
   const report = graft.report.value;
   return (
     <>
-      {pairs.length === 0 && <p class="hint">No loops are paired yet: click one on each.</p>}
+      {pairs.length === 0 && <p class="hint">Click a loop on each mesh to pair them.</p>}
       <ul class="list pairs-list" aria-label="Pairs of loops">
         {pairs.map((pair, i) => {
           const found = pair.start === undefined && pair.matches.length === 0;
@@ -138,12 +138,12 @@ function Pairs({ page }: { page: Page }) {
                   {loopWords(pair.sourceLoop)} → {loopWords(pair.targetLoop)}
                   <small>
                     {ambiguous !== undefined
-                      ? ambiguousWords(ambiguous)
+                      ? "rotation unclear"
                       : found
                         ? confidenceWords(confidence)
                         : graft.chosenStarts.value.has(String(pair.start))
-                          ? "automatic, of several starts that fit alike"
-                          : `by hand${pair.matches.length > 0 ? `, ${pair.matches.length} more matched` : ""}`}
+                          ? "rotation unclear: the smallest was taken"
+                          : `set by hand${pair.matches.length > 0 ? `, ${counted(pair.matches.length, "more match", "more matches")}` : ""}`}
                   </small>
                 </span>
                 {found && confidence !== undefined && (
@@ -160,7 +160,7 @@ function Pairs({ page }: { page: Page }) {
               </button>
               {!found && (
                 <IconButton
-                  label={`Find the start of pair ${i + 1} again`}
+                  label={`Reset pair ${i + 1}`}
                   icon="reset"
                   onClick={() =>
                     void graft.setPairs(
@@ -190,15 +190,9 @@ function loopWords(loop: number): string {
   return loop < 0 ? "a loop" : `loop ${loop + 1}`;
 }
 
-function ambiguousWords({ confidence }: AmbiguousStart): string {
-  return `ambiguous where they meet, confidence ${Math.round(100 * confidence)} %`;
-}
-
 function confidenceWords(confidence: number | undefined): string {
-  if (confidence === undefined) return "automatic";
-  const words =
-    confidence < 0.4 ? "nearly round, look whether it is turned" : confidence < 0.7 ? "likely" : "clear";
-  return `automatic, confidence ${Math.round(100 * confidence)} %: ${words}`;
+  if (confidence === undefined) return "rotation found";
+  return confidence < 0.4 ? "rotation unclear" : confidence < 0.7 ? "rotation likely" : "rotation clear";
 }
 
 // The sliders show the document's values. A slider that is being dragged keeps its own value.
@@ -241,8 +235,8 @@ function Twist({ page }: { page: Page }) {
       disabled={held}
       help={
         (pair?.matches.length ?? 0) > 0
-          ? "The matches say how it is turned."
-          : `Turns the part${graft.pairs.value.length > 1 ? ` at pair ${index + 1}` : ""} against how it was found.`
+          ? "Set by the matches."
+          : `Rotates the part${graft.pairs.value.length > 1 ? ` at pair ${index + 1}` : ""} along its loop, relative to the rotation found.`
       }
       onInput={(value) => twist(value, "drag")}
       onChange={(value) => twist(value, "keep")}
@@ -263,29 +257,28 @@ function PoseFields({ page, step }: { page: Page; step: GraftStep }) {
   return (
     <>
       <Segments
-        label="Pose"
+        label="Placement"
         value={step.pose}
-        help="Where the part goes is found by the loops, or it stays where you put it, and gives way near its loops alone."
+        help="Automatic: the loops determine where the part goes. Manual: you place it with the gizmo, and it bends near its loops only."
         choices={[
-          { value: "find", label: "Find" },
-          { value: "keep", label: "Keep" },
+          { value: "find", label: "Automatic" },
+          { value: "keep", label: "Manual" },
         ]}
         onChange={choose}
       />
       {step.pose === "keep" && (
         <div class="buttons">
           <Button
-            label={painting ? "Done painting" : "Paint what stays"}
+            label={painting ? "Done painting" : "Paint fixed area"}
             icon={painting ? "accept" : "fixed"}
-            tip="Paint features of the part that must not bend."
+            tip="Paint areas of the part that must not bend."
             onClick={() => (painting ? graft.donePainting() : void graft.paintFixed())}
           />
           {step.hasFixed && (
-            <Button label="Nothing fixed" kind="quiet" onClick={() => void graft.set({ fixed: null })} />
+            <Button label="Clear fixed area" kind="quiet" onClick={() => void graft.set({ fixed: null })} />
           )}
         </div>
       )}
-      {step.pose === "keep" && !painting && <p class="hint">Move, turn and scale the part by its gizmo.</p>}
     </>
   );
 }

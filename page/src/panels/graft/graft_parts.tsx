@@ -14,7 +14,7 @@ export function PartsPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Parts"
-      hint="What stands beside the model. Graft a part by its loops, or drop it anywhere on the surface."
+      hint="Meshes to graft onto the model: at their loops, or anywhere on its surface."
       badge={parts.length}
       startsOpen
     >
@@ -41,7 +41,7 @@ function PartRow({ page, part }: { page: Page; part: MeshObject }) {
         type="button"
         class="list-main part-row"
         disabled={!idle && !isSource}
-        data-tip={idle ? "Click: graft it. Drag: onto the surface." : undefined}
+        data-tip={idle ? "Click to graft at the loops, or drag onto the surface." : undefined}
         aria-label={`Graft ${part.name}`}
         onPointerDown={(event) => idle && page.graft.dragPart(known, event)}
         onClick={() => idle && void graft.startWith(part.name)}
@@ -59,7 +59,7 @@ function PartRow({ page, part }: { page: Page; part: MeshObject }) {
         onClick={() => graft.toggleShown(part)}
       />
       <Menu
-        label={`More of ${part.name}`}
+        label={`More for ${part.name}`}
         items={[
           {
             label: "Drop on the surface",

@@ -1,5 +1,6 @@
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
+import { counted } from "../../app/units";
 import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
 
@@ -35,9 +36,9 @@ export function GraftReportView({ page }: { page: Page }) {
         {proposed !== undefined && (
           <>
             <span>
-              Drag a numbered dot to where the two meet, or take the start that rotates the part least.
+              Drag a numbered marker, use Twist, or take the smallest rotation.
             </span>
-            <Button label="Take that start" onClick={() => void graft.set({ pairs: proposed })} />
+            <Button label="Use smallest rotation" onClick={() => void graft.set({ pairs: proposed })} />
           </>
         )}
       </div>
@@ -58,15 +59,15 @@ export function GraftReportView({ page }: { page: Page }) {
       )}
       {seam !== undefined && (
         <small>
-          {seam.new_faces} new faces, smallest angles {seam.angle_p1_deg.toFixed(0)}°, bends{" "}
+          {seam.new_faces} new faces, smallest angle {seam.angle_p1_deg.toFixed(0)}°, sharpest bend{" "}
           {seam.dihedral_p99_deg.toFixed(0)}°{seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
         </small>
       )}
       {isUnsure(page) && (
-        <span class="unsure">Nearly round: look whether the part is turned. Twist turns it.</span>
+        <span class="unsure">Rotation unclear: the loops are nearly round. Adjust it with Twist.</span>
       )}
-      {inverted > 0 && <span class="bad">The part turns inside out at {inverted} vertices.</span>}
-      {cuts > 0 && <span class="bad">The result cuts through itself at {cuts} pairs of faces.</span>}
+      {inverted > 0 && <span class="bad">The part turns inside out at {counted(inverted, "vertex", "vertices")}.</span>}
+      {cuts > 0 && <span class="bad">{counted(cuts, "self-intersecting pair")} of faces.</span>}
       {notes.length > 0 && (
         <details>
           <summary>{notes.length === 1 ? "1 note" : `${notes.length} notes`}</summary>

@@ -10,18 +10,18 @@ const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: str
     tool: "loops",
     label: "Pair loops",
     icon: "loop",
-    tip: "Click a loop on each to pair them; drag what meets along them.",
+    tip: "Click a loop on each mesh to pair them; drag the markers along the loops.",
   },
-  { tool: "plane", label: "Cut by a plane", icon: "cut-plane", tip: "Draw a line across the model: the plane goes through it and your eye." },
+  { tool: "plane", label: "Cut by a plane", icon: "cut-plane", tip: "Draw a line across the model. The plane passes through it, away from you." },
   { tool: "stroke", label: "Cut along a curve", icon: "cut-curve", tip: "Draw a closed curve on the surface." },
 ];
 
 const hints: Record<GraftTool, string> = {
-  loops: "Click a loop on each of two models to pair them. Drag beside the models to turn the view.",
-  plane: "Draw a line across the model, also from beside it; move and turn the plane by its arrows and rings.",
-  stroke: "Draw a closed curve on the surface; turn the view between strokes to go round.",
-  fixed: "Paint what of the part must stay as it is. Alt takes away.",
-  drop: "Point where the part is to grow. Wheel or R spins, shift+wheel or S scales, a click grafts it, Esc leaves it.",
+  loops: "Drag the numbered markers along their loops. Drag beside the models to orbit.",
+  plane: "The line may begin and end beside the model. Arrows move the plane, rings rotate it.",
+  stroke: "Orbit between strokes to get around. Enter closes the curve, Backspace removes the last point.",
+  fixed: "Paint the area of the part that must not bend. Alt subtracts.",
+  drop: "Wheel or R spins, Shift+wheel or S scales, Esc cancels.",
 };
 
 /** The tools of graft mode, at the left. */
@@ -51,7 +51,6 @@ export function GraftToolbar({ page }: { page: Page }) {
 export function GraftToolHint({ page }: { page: Page }) {
   const { graft, tools: settings } = page.editor;
   const tool = graft.tool.value;
-  const busy = graft.kept.value !== undefined;
   const posed = tool === "loops" && graft.step.value?.pose === "keep";
   return (
     <div class="tool-options">
@@ -59,11 +58,9 @@ export function GraftToolHint({ page }: { page: Page }) {
         {tool === "fixed" && <BrushSize tools={settings} />}
         <span class="tool-hint">
           {posed
-            ? "Move, turn and scale the part by its gizmo; it gives way near its loops alone."
+            ? "Move, rotate and scale the part with the gizmo. It bends near its loops only."
             : tool === "loops" && graft.step.value?.at !== undefined
-              ? "Spin, size and angle are at the right. Drag the part from its list to put it elsewhere."
-              : tool === "loops" && !busy && graft.model.value?.loops === 0
-              ? "The model is closed: cut it open by a plane or along a curve, or drop a part on its surface."
+              ? "To graft it elsewhere, drag the part from the list Parts."
               : hints[tool]}
         </span>
         {tool === "fixed" && (
@@ -75,7 +72,7 @@ export function GraftToolHint({ page }: { page: Page }) {
         )}
         {(tool === "fixed" || tool === "drop") && (
           <Button
-            label={tool === "fixed" ? "Done" : "Leave it"}
+            label={tool === "fixed" ? "Done" : "Cancel"}
             kind="quiet"
             onClick={() => (tool === "fixed" ? graft.donePainting() : (graft.tool.value = "loops"))}
           />

@@ -118,9 +118,9 @@ export function isInRange(value: number, { min = -Infinity, max = Infinity, abov
 
 /** Returns examples of how a quantity can be written. */
 function writingWords(quantity: Quantity, unit: Unit): string {
-  if (quantity === "angle") return "degrees or turns: 45, 2 turns";
-  if (quantity === "length") return unit === "none" ? "a length: 12.5, 3 / 4" : "a length: 12.5, 3 mm, 1 cm / 4";
-  return quantity === "factor" ? "a factor: 1.5, 150 %" : "a number: 12.5, 3 / 4";
+  if (quantity === "angle") return "Enter an angle, such as 45 or 2 turns";
+  if (quantity === "length") return unit === "none" ? "Enter a length, such as 12.5" : "Enter a length, such as 12.5 or 3 mm";
+  return quantity === "factor" ? "Enter a factor, such as 1.5 or 150 %" : "Enter a number, such as 12.5";
 }
 
 /** Describes a range: "1 to 20". */

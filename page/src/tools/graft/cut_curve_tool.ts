@@ -34,11 +34,11 @@ export class CutCurveTool implements Tool {
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
     const { value: curve } = this.graft.cutCurve;
-    if (this.isAtFirst(pointer.screenPoint)) this.context.status.say("Close the curve here", pointer.screenPoint);
+    if (this.isAtFirst(pointer.screenPoint)) this.context.status.say("Click to close the curve", pointer.screenPoint);
     else if (hit === undefined) this.context.status.clear();
-    else if (curve?.closed === true) this.context.status.say("Enter keeps what is inside", pointer.screenPoint);
+    else if (curve?.closed === true) this.context.status.say("Enter keeps the inside", pointer.screenPoint);
     else if (curve === null) this.context.status.say("Draw a closed curve on the surface", pointer.screenPoint);
-    else this.context.status.say("Go on drawing; Enter closes the curve", pointer.screenPoint);
+    else this.context.status.say("Keep drawing; Enter closes the curve", pointer.screenPoint);
   }
   leave(): void {
     this.context.status.clear();

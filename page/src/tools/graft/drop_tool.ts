@@ -104,8 +104,8 @@ export class DropTool implements Tool {
     const fields = this.fields();
     if (fields === undefined || this.drop === undefined || this.screenPoint === undefined) return;
     this.graft.drag(fields);
-    const size = this.drop.size === undefined ? "own size" : `× ${this.drop.size.toPrecision(3)}`;
-    this.context.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (shift+wheel, S) · Esc leaves it`, this.screenPoint);
+    const size = this.drop.size === undefined ? "original size" : `× ${this.drop.size.toPrecision(3)}`;
+    this.context.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (Shift+wheel, S) · Esc cancels`, this.screenPoint);
   }
 
   /** Grafts the part at its current point. */

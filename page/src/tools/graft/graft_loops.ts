@@ -287,7 +287,7 @@ export class LoopPairTool implements Tool {
     const { value: unit } = this.context.viewport.settings.unit;
     const length = Number(loop.length.toPrecision(3)).toString();
     const what = `${object.name}, loop ${ref.loop + 1}: ${loop.vertices.length} vertices, ${length}${unit === "none" ? "" : ` ${unit}`} around`;
-    if (this.pairOf(ref) >= 0) return `${what} · double click: a match here`;
+    if (this.pairOf(ref) >= 0) return `${what} · double-click to add a match`;
     const { value: picked } = this.graft.picked;
     return picked !== null && picked.mesh !== ref.mesh ? `${what} · click to pair` : what;
   }
@@ -298,6 +298,6 @@ function keyOf({ pair, match, side }: MatchEnd): string {
 }
 
 function wordsOfMatch({ pair, match }: MatchEnd): string {
-  const what = match === 0 ? `Start of pair ${pair + 1}` : `Match ${match} of pair ${pair + 1}`;
-  return `${what} · drag it along the loop, Delete ${match === 0 ? "finds it again" : "takes it away"}`;
+  const what = match === 0 ? `Marker of pair ${pair + 1}` : `Match ${match} of pair ${pair + 1}`;
+  return `${what} · drag it along the loop; Delete ${match === 0 ? "resets" : "removes"} it`;
 }

@@ -101,7 +101,7 @@ export class CutPlaneTool implements Tool {
   }
 
   hover({ screenPoint }: Pointer): void {
-    if (this.control.active === undefined) this.context.status.say("Draw a line across what is to be cut", screenPoint);
+    if (this.control.active === undefined) this.context.status.say("Draw a line across what you want to cut", screenPoint);
   }
   leave(): void {
     this.context.status.clear();

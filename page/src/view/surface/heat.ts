@@ -47,12 +47,12 @@ function evenly(size: number): [number, number] {
 export function legendOf(map: HeatMap, of: StretchOf, [min, max]: [number, number]): Legend {
   const gradient = cssGradient(map === "stretch" ? diverging : rising);
   if (map === "stretch") {
-    const title = of === "area" ? "Area, against rest" : "Lengths of edges, against rest";
+    const title = of === "area" ? "Change of area" : "Change of edge lengths";
     return { title, min, max, gradient, format: (value) => `×${(2 ** value).toPrecision(3)}` };
   }
   if (map === "seam")
-    return { title: "Bend across the seam's edges", min, max, gradient, format: (value) => `${value.toPrecision(2)}°` };
-  const title = "Detail: distance from the mean of the ring";
+    return { title: "Bend angle at the seam", min, max, gradient, format: (value) => `${value.toPrecision(2)}°` };
+  const title = "Detail: distance from the neighbours' mean";
   return { title, min, max, gradient, format: (value) => value.toPrecision(3) };
 }
 
