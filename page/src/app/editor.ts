@@ -15,7 +15,7 @@ import { ToolSettings } from "./tool_settings";
 import { counted, formatNumber, unitsOfFiles } from "./units";
 import type { ViewSettings } from "./view_settings";
 import {
-  fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
+  fieldsOf, fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
   type Failure, type PageError, type Told,
 } from "./wording";
 
@@ -158,8 +158,10 @@ export class Editor {
     return undefined;
   }
 
-  /** Offers a wider tolerance if a vertex lacks a mirror image within the current one. */
+  /** Offers what the page can do about a failure, such as a wider tolerance where a vertex lacks a mirror image. */
   private offerFor(failure: Failure, refused: PageRequest): Message["offer"] {
+    if (fieldsOf(failure, "editor.edit_without_file") !== undefined)
+      return { label: "Save as…", run: () => (this.dialog.value = "save") };
     const tolerance = sufficientTolerance(failure);
     if (tolerance === undefined) return undefined;
     const run = async () => {

@@ -123,6 +123,11 @@ const paths = { path: "path", closed_path: "closed path" };
 
 /** The page's words, where the engine's are not those of a window with panels. */
 const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
+  "core.no_such_vertex": ({ vertex, count }) => ({
+    problem: `vertex ${vertex} does not exist; the mesh has ${counted(count, "vertex", "vertices")}`,
+    remedy: "",
+  }),
+  "core.not_finite": ({ what }) => (what === "target" ? { problem: "the place to move to is not finite" } : {}),
   "deform.axis_without_length": () => ({
     problem: "the rotation axis has no length",
     remedy: "Choose X, Y or Z, or type a direction such as 0, 0, 1.",
@@ -156,6 +161,13 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Make the region larger, or the handles and the fixed area smaller.",
   }),
   "deform.vertex_of_two_handles": ({ vertex, handle }) => ({ problem: `vertex ${vertex} is already part of “${handle}”` }),
+  "select.box_reversed": () => ({ problem: "the lower corner of the box lies above its upper corner" }),
+  "select.no_such_component": ({ number, count }) => ({
+    problem: `there is no connected piece ${number + 1}; the mesh has ${count}`,
+  }),
+  "select.no_such_loop": ({ number, count }) => ({
+    problem: `there is no boundary loop ${number + 1}; the mesh has ${count}`,
+  }),
   "select.path_crosses_itself": ({ vertex }) => ({
     problem: `the curve passes vertex ${vertex} twice`,
     remedy: "Click points that lie apart, in order along the curve.",
@@ -214,6 +226,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
 
   "linalg.matrix_too_large": () => ({ remedy: smallerOrProxy }),
   "linalg.no_multifrontal_solver": () => ({ remedy: "Choose another Solver under More settings." }),
+  "linalg.no_room_for_buffers": ({ megabytes }) => ({
+    problem: `there is not enough memory: ${megabytes} MB are missing`,
+    remedy: "Close other programs, or choose a smaller region.",
+  }),
   "linalg.not_converged": () => ({
     remedy: "Choose another Solver under More settings or a smaller region, or repair needle-like triangles.",
   }),
@@ -478,6 +494,9 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `vertex ${vertex} of the mirror image of “${handle}” is already part of “${other}”`,
     remedy: `Symmetry mirrors the handle to the other side: remove “${other}”.`,
   }),
+  "script.mirrored_curve": ({ handle }) => ({
+    problem: `the curve “${handle}” became its own mirror image, which may also be half a rotation; its surroundings were rotated`,
+  }),
   "script.mirrored_curve_returns": ({ handle }) => ({
     problem: `the mirror image of the curve “${handle}” passes a vertex twice`,
     remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere.",
@@ -553,11 +572,14 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `vertex ${vertex} lacks a mirror image`,
     remedy: `The model is not quite the same on both sides. A tolerance of ${percent(tolerance_rel)} suffices; or use another handle.`,
   }),
+  "server.target_without_slash": () => ({ problem: "the address does not begin with a slash" }),
   "script.welded": ({ vertices }) => ({
     problem: `${counted(vertices, "boundary vertex was welded to another", "boundary vertices were welded to others")} at the same position for the solve; the result keeps them separate`,
     remedy: "Switch off Weld seams to let such places separate.",
   }),
-  "script.wrong_sha256": ({ file, found, expected }) => ({
-    problem: `the file ${file} has the SHA-256 ${found}, the edit was made for ${expected}`,
+  "script.sha256_failed": () => ({ problem: "the checksum of the file cannot be computed" }),
+  "script.wrong_sha256": ({ file }) => ({
+    problem: `the file ${file} is not the one that the edit was made for`,
+    remedy: "Put the earlier file back in its place.",
   }),
 };

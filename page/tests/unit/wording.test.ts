@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
 import { rowsOf, tables, type Kind, type Row, type Words } from "../../tools/fact_tables.mjs";
 import { fieldsOf, fileToReplace, inPanelWords, noteWords, toldOf, type PageError } from "../../src/app/wording";
+import { graftRemedy } from "../../src/app/graft/graft_remedies";
 import type { EngineError, Fields } from "../../src/protocol";
 
 const rows = (await Promise.all((await tables()).map(rowsOf))).flat();
@@ -75,6 +76,26 @@ function said(row: Row, fields: Fields): string {
 const ofCommands = ["editor.defects"];
 const command = /\bmeshgraft (run|edit|repair|info|check|cut|merge|deform|compare|sample|convert|render|picture)\b/;
 
+// Words of the library, of edit files and of how a program was built, which a window with panels does not use.
+const notOfThePage = [
+  /\[\d/, // steps[0]
+  /\bcomponent \d/i,
+  /(numbered|counted|from loop) \w*\s?(from )?0\b/i,
+  /MESHGRAFT_/,
+  /\b(fix_winding|OpenBLAS|sha-?256)\b/i,
+  /\bthe (source|target)\b/i,
+  /\b(source|target) (vertex|vertices|loop)\b/i,
+  /'(at|union|minus|intersect|mirror|align|symmetry|pairs|iterations|matrix|region|curve|sel|take|min|max|edit|mesh)'/,
+  /"pose"/,
+  /\bin work\b/,
+  /\bstdin|standard (input|output)\b/i,
+];
+/** Facts about what a file contains or lacks, which its reader names as it is written there. */
+const ofFiles = (id: string) => fileFacts.has(id) || id.startsWith("io.") || id.startsWith("gltf.") || id.startsWith("threemf.");
+const fileFacts: ReadonlySet<string> = new Set<string>([
+  "script.closed_no_curve", "script.not_a_match", "script.not_one_selection", "script.not_sel_and_take", "script.redrawn_no_curve",
+]);
+
 describe("every fact is worded for a window with panels", () => {
   test("there are facts", () => expect(rows.length).toBeGreaterThan(300));
   test.each(rows.map((row) => [row.id, row] as const))("%s", (id, row) => {
@@ -88,6 +109,7 @@ describe("every fact is worded for a window with panels", () => {
       expect(text).not.toMatch(/\w_\w/); // sample values have no underscores, but identifiers do
       expect(text).not.toMatch(/steps? (are |is )?(counted|numbered) from 0/i);
       expect(text).not.toMatch(/\.\./);
+      if (!ofFiles(id)) for (const words of notOfThePage) expect(text).not.toMatch(words);
       if (ofCommands.includes(id)) continue;
       expect(text).not.toMatch(/(^|\s)--\w/);
       expect(text).not.toMatch(command);
@@ -157,4 +179,12 @@ test("defects are told without the path of the file", () => {
   expect(noteWords(note)).toBe(
     "The file a.obj has defects that can disturb editing. The command meshgraft repair writes a repaired copy.",
   );
+});
+
+test("what the graft panel can do about a fact has a button", () => {
+  expect(graftRemedy({ id: "merge.orientations_disagree", fields: {} })?.fields).toEqual({ fix_winding: true });
+  expect(graftRemedy({ id: "merge.no_hole", fields: { size: 2, largest: 0.51234 } })).toEqual({
+    label: "Use size 0.512", fields: { size: 0.51234 },
+  });
+  expect(graftRemedy({ id: "merge.no_pairs", fields: {} })).toBeUndefined();
 });

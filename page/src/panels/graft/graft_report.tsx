@@ -1,3 +1,4 @@
+import { graftRemedy } from "../../app/graft/graft_remedies";
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { counted } from "../../app/units";
@@ -11,6 +12,13 @@ function isUnsure({ editor: { graft } }: Page): boolean {
     ({ start, matches }, i) =>
       start === undefined && matches.length === 0 && (told[i]?.confidence ?? 1) < 0.4,
   );
+}
+
+/** A button that changes the graft as a fact asks for, if the page can. */
+function RemedyButton({ page, fact }: { page: Page; fact: { id: string; fields: object } }) {
+  const remedy = graftRemedy(fact);
+  if (remedy === undefined) return null;
+  return <Button label={remedy.label} onClick={() => void page.editor.graft.set(remedy.fields)} />;
 }
 
 /** The outcome of the graft: the error, or the quality of the seam and the notes. */
@@ -33,6 +41,7 @@ export function GraftReportView({ page }: { page: Page }) {
         </strong>
         {location !== "" && <small>{location}</small>}
         {proposed === undefined && remedy !== "" && <span>{remedy}</span>}
+        <RemedyButton page={page} fact={report.error} />
         {proposed !== undefined && (
           <>
             <span>
@@ -72,8 +81,10 @@ export function GraftReportView({ page }: { page: Page }) {
         <details>
           <summary>{notes.length === 1 ? "1 note" : `${notes.length} notes`}</summary>
           <ul>
-            {notes.map(noteWords).map((words) => (
-              <li key={words}>{words}</li>
+            {notes.map((note) => (
+              <li key={noteWords(note)}>
+                {noteWords(note)} <RemedyButton page={page} fact={note} />
+              </li>
             ))}
           </ul>
         </details>
