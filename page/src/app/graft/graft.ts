@@ -137,17 +137,23 @@ export class Graft {
     else this.arrangement.value = "apart";
   }
 
-  // A trial run comes first, so that one undo takes the graft back. If round loops fit equally well from several
-  // starts, the start that rotates the part least is taken.
   private async startAlone(name: string): Promise<void> {
     this.arrangement.value = "result";
-    this.dragged.value = { source: name };
-    const done = await this.host.request({ do: "graft-drag", source: name }).catch(() => undefined);
+    await this.setLikeliest({ source: name });
+  }
+  // Changes the graft. If round loops fit equally well from several starts, the start that rotates the part least is
+  // taken. A trial run finds it first, so that one undo takes the change back.
+  private async setLikeliest(fields: GraftFields): Promise<void> {
+    this.dragged.value = fields;
+    const done = await this.host.request({ do: "graft-drag", ...fields }).catch(() => undefined);
     const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.reportOf(done.graft);
-    const start = this.startFor(report);
-    if (start !== undefined) this.report.value = null; // the report of the trial is settled
-    this.chosenStarts.value = new Set(start?.map((pair) => String(pair.start)));
-    await this.set({ source: name, ...(start === undefined ? {} : { pairs: start }) });
+    const open = new Set(report?.ambiguous_starts?.map(({ pair }) => pair));
+    const pairs = this.startFor(report);
+    if (pairs !== undefined) this.report.value = null; // the report of the trial is settled
+    const chosen = (pairs ?? []).filter((_, i) => open.has(i)).map(({ start }) => String(start));
+    const isNew = this.kept.value === undefined || "source" in fields;
+    this.chosenStarts.value = new Set([...(isNew ? [] : this.chosenStarts.value), ...chosen]);
+    await this.set({ ...fields, ...(pairs === undefined ? {} : { pairs }) });
   }
   /** Starts that were chosen automatically among several that fit equally well. */
   readonly chosenStarts = signal<ReadonlySet<string>>(new Set());
@@ -177,7 +183,7 @@ export class Graft {
     batch(() => {
       this.dragged.value = null;
       if (done?.transform !== undefined) this.transform.value = done.transform;
-      if (done !== undefined && starts && this.arrangement.value === "apart") this.arrangement.value = "both";
+      if (done !== undefined && starts && this.arrangement.value === "apart") this.arrangement.value = "result";
     });
     return done !== undefined;
   }
@@ -337,7 +343,7 @@ export class Graft {
     const pairs = withPair(before, source.loop, target.loop);
     this.activePair.value = pairs.length - 1;
     const anew = same ? { at: null } : names;
-    await this.set({ ...anew, pairs: pairsField(pairs) });
+    await this.setLikeliest({ ...anew, pairs: pairsField(pairs) });
   }
 
   setPairs(pairs: readonly Pair[]): Promise<boolean> {

@@ -1,6 +1,8 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { Graft } from "./graft";
 import type { LiveWords } from "../live_words";
+import { counted } from "../units";
+import { fieldsOf } from "../wording";
 
 /** Returns what the user has to do before a graft can start; undefined without a part. */
 export function pairingWords(graft: Graft): string | undefined {
@@ -18,6 +20,13 @@ function nextAction(graft: Graft): string | undefined {
   return graft.picked.value === null
     ? "Click a loop of the model and the loop of the part to join to it"
     : "Now click the loop of the other mesh to join to it";
+}
+
+/** Returns how many pairs are still missing, if the graft waits for more; undefined if it does not. */
+export function pairsToGo(graft: Graft): number | undefined {
+  const error = graft.report.value?.error;
+  if (error === undefined || fieldsOf(error, "merge.component_without_pair") === undefined) return undefined;
+  return Math.max(1, (graft.source.value?.loops ?? 0) - graft.pairs.value.length);
 }
 
 /** Returns in few words what graft mode waits for. */
@@ -49,13 +58,15 @@ function beforeGraft(graft: Graft): LiveWords {
 
 function inGraft(graft: Graft, pairs: number): LiveWords {
   const { value: report } = graft.report;
+  const toGo = pairsToGo(graft);
+  if (toGo !== undefined) return { tone: "idle", text: `${counted(toGo, "more pair")} to go`, explained: "" };
+  if ((report?.ambiguous_starts ?? []).length > 0)
+    return { tone: "warning", text: "Rotation unclear", explained: "The loops fit equally well in several rotations." };
   if (report?.error !== undefined) {
     return { tone: "problem", text: "Cannot be grafted", explained: "The panel Graft says why." };
   }
   if (pairs === 0 && graft.kept.value?.at === undefined)
     return { tone: "idle", text: "No loops paired yet", explained: "" };
-  if ((report?.ambiguous_starts ?? []).length > 0)
-    return { tone: "warning", text: "Rotation unclear", explained: "The loops fit equally well in several rotations." };
   if (graft.preview.value === null || graft.dragged.value !== null)
     return { tone: "busy", text: "Grafting…", explained: "A preview follows in a moment." };
   return { tone: "good", text: "Grafted; Accept to finish", explained: "You can still change it. The view shows the result." };

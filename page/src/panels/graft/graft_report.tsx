@@ -1,4 +1,5 @@
 import { graftRemedy } from "../../app/graft/graft_remedies";
+import { pairsToGo } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { counted } from "../../app/units";
@@ -31,13 +32,22 @@ export function GraftReportView({ page }: { page: Page }) {
         Grafting…
       </p>
     );
+  const toGo = pairsToGo(graft);
+  if (toGo !== undefined)
+    return (
+      <div class="graft-state" role="status">
+        <strong>{counted(toGo, "more pair")} to go</strong>
+        <span>Click a loop of the model and the loop of the part to join to it.</span>
+      </div>
+    );
   if (report.error !== undefined) {
+    const isOpen = (report.ambiguous_starts ?? []).length > 0; // a choice to make, and nothing wrong
     const { problem, location, remedy } = inPanelWords(report.error);
     const { value: proposed } = graft.proposed;
     return (
-      <div class="graft-state failed" role="alert">
+      <div class={`graft-state ${isOpen ? "" : "failed"}`} role={isOpen ? "status" : "alert"}>
         <strong>
-          <Icon name="warning" size={15} /> {sentence(problem)}
+          {!isOpen && <Icon name="warning" size={15} />} {sentence(problem)}
         </strong>
         {location !== "" && <small>{location}</small>}
         {proposed === undefined && remedy !== "" && <span>{remedy}</span>}

@@ -1,0 +1,71 @@
+import { signal } from "@preact/signals";
+import { beforeEach, expect, test } from "vitest";
+import { Graft, type GraftReport } from "../../src/app/graft/graft";
+import { graftWords, pairsToGo } from "../../src/app/graft/graft_words";
+import type { DocumentState, PageRequest } from "../../src/protocol";
+
+type Step = { source: string; target: string; pairs: object[] } | null;
+
+const documentWith = (step: Step, loops = 4) =>
+  ({
+    model: { name: "body", mesh: 1, loops },
+    parts: [{ name: "arms", mesh: 2, loops, grafted: false }],
+    graft: step === null ? null : { step, graft: 1 },
+  }) as unknown as DocumentState;
+
+let asked: PageRequest[] = [];
+let trial: Partial<GraftReport> = {};
+let state = signal<DocumentState | null>(null);
+let graft: Graft;
+
+beforeEach(() => {
+  asked = [];
+  trial = {};
+  state = signal<DocumentState | null>(documentWith(null));
+  const answer = (request: PageRequest) => {
+    asked.push(request);
+    return Promise.resolve({ graft: asked.length });
+  };
+  graft = new Graft({
+    state,
+    ask: answer,
+    attempt: answer,
+    request: async (request) => {
+      const done = await answer(request);
+      graft.onEvent({ event: "graft", graft: done.graft, dragged: true, ...trial } as GraftReport);
+      return done;
+    },
+    note: () => undefined,
+    positionsOf: () => undefined,
+  });
+});
+
+const pair = () => graft.pair({ mesh: 1, loop: 2 }, { mesh: 2, loop: 3 });
+const loops = { source_loop: { loop: 3 }, target_loop: { loop: 2 } };
+
+test("loops that fit in several rotations are paired with the likeliest at once", async () => {
+  trial = { ambiguous_starts: [{ pair: 0, confidence: 0.03, start: [5, 7] }] } as Partial<GraftReport>;
+  graft.arrangement.value = "apart";
+  await pair();
+  expect(asked.map((request) => request.do)).toEqual(["graft-drag", "graft"]);
+  expect(asked[1]).toMatchObject({ pairs: [{ ...loops, start: [5, 7] }] });
+  expect([...graft.chosenStarts.value]).toEqual(["5,7"]);
+  expect(graft.arrangement.value).toBe("result");
+});
+
+test("loops that fit in one rotation are paired without a start", async () => {
+  await pair();
+  expect(asked[1]).toMatchObject({ pairs: [loops] });
+  expect([...graft.chosenStarts.value]).toEqual([]);
+});
+
+test("a part with pieces that are not paired yet says how many pairs are to go, and no error", () => {
+  state.value = documentWith({ source: "arms", target: "body", pairs: [loops] });
+  const error = { id: "merge.component_without_pair", fields: { component: 0, vertices: 9, vertex: 0 } };
+  graft.report.value = { event: "graft", graft: 1, error } as unknown as GraftReport;
+  expect(pairsToGo(graft)).toBe(3);
+  expect(graftWords(graft)).toMatchObject({ tone: "idle", text: "3 more pairs to go" });
+  graft.report.value = { event: "graft", graft: 1, error: { id: "merge.no_pairs", fields: {} } } as unknown as GraftReport;
+  expect(pairsToGo(graft)).toBeUndefined();
+  expect(graftWords(graft).tone).toBe("problem");
+});
