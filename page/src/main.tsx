@@ -3,6 +3,7 @@ import { makeCommands, type PageActions } from "./app/commands";
 import { Editor } from "./app/editor";
 import { listenForKeys } from "./app/keys";
 import { rememberSettings } from "./app/remembered";
+import { followShownBox } from "./app/shown_box";
 import { takeToken } from "./app/token";
 import { ViewSettings } from "./app/view_settings";
 import { viewActions } from "./app/view_actions";
@@ -15,6 +16,7 @@ import "./style.css";
 const view = new ViewSettings();
 rememberSettings({ theme: view.theme, usualUnit: view.usualUnit, grid: view.grid });
 const viewport = new Viewport(view);
+const shownBox = followShownBox(viewport);
 const editor = new Editor(takeToken(), viewport, view);
 
 const graftView = new GraftView(viewport, editor.graft);
@@ -43,7 +45,7 @@ function attach(host: HTMLElement): void {
 }
 
 const root = document.getElementById("app");
-if (root !== null) render(<App page={{ editor, viewport, commands, graft: tools.graft, attach }} />, root);
+if (root !== null) render(<App page={{ editor, viewport, shownBox, commands, graft: tools.graft, attach }} />, root);
 const isInDialog = () => document.querySelector("dialog[open]") !== null;
 listenForKeys(
   () => (isInDialog() ? [] : commands),

@@ -1,5 +1,6 @@
+import type { ReadonlySignal } from "@preact/signals";
 import type { Viewport } from "../view/viewport";
-import type { Editor } from "./editor";
+import type { Box, Editor } from "./editor";
 import type { Rows4, Vector3Tuple } from "./graft/graft_step";
 import type { Command } from "./keys";
 
@@ -27,6 +28,8 @@ export interface GraftActions {
 export interface Page {
   readonly editor: Editor;
   readonly viewport: Viewport;
+  /** The bounding box of the model as it is shown, deformed. */
+  readonly shownBox: ReadonlySignal<Box | null>;
   readonly commands: readonly Command[];
   readonly graft: GraftActions;
   /** Adds the view and its tools to an element. */

@@ -11,8 +11,10 @@ import {
 } from "../app/paths";
 import { remembered } from "../app/remembered";
 import { fileToReplace, sentence, toldOf, type Failure } from "../app/wording";
-import type { PageRequest } from "../protocol";
+import { counted, formatSize } from "../app/units";
+import type { DocumentState, PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
+import { sidesOf } from "./status_bar";
 import { Button } from "./ui/button";
 import { Dialog } from "./ui/dialog";
 import { Segments, Select, Toggle } from "./ui/fields";
@@ -161,6 +163,22 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
   );
 }
 
+/** Returns the suggested name of an exported mesh: that of the edit file, or else the model's with an ending. */
+export function exportName(state: Pick<DocumentState, "name" | "edit"> | null): string {
+  if (state !== null && state.edit !== "") return stemOf(state.edit);
+  return `${stemOf(state?.name ?? "model")}_edited`;
+}
+
+/** Says what the exported file will hold. */
+function Content({ page }: { page: Page }) {
+  const { state, view } = page.editor;
+  const box = page.shownBox.value;
+  const unit = view.unit.value;
+  if (state.value === null || box === null) return null;
+  const noUnit = unit === "none" ? " The model has no unit: choose one under View." : "";
+  return <p class="hint">{`${counted(state.value.model.faces, "face")}, ${formatSize(sidesOf(box), unit)}.${noUnit}`}</p>;
+}
+
 /** Writes the deformed mesh to a file of its own. */
 export function ExportDialog({ page, onClose }: { page: Page; onClose: () => void }) {
   const state = page.editor.state.value;
@@ -178,7 +196,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
       done="Exported"
       action="Export"
       extension={format.extension}
-      start={{ folder: firstFolder(page), name: `${stemOf(state?.name ?? "model")}_deformed` }}
+      start={{ folder: firstFolder(page), name: exportName(state) }}
       request={(path, overwrite) => ({
         do: "export",
         path,
@@ -199,6 +217,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
         onChange={(to) => (extension.value = to)}
       />
       <p class="hint">{format.keeps}</p>
+      {!asMorph && page.editor.graft.mode.value === "deform" && <Content page={page} />}
       {format.morphTargets === true && (
         <Toggle
           label="As a morph target"

@@ -56,7 +56,7 @@ function LiveFigures({ page }: { page: Page }) {
 function ModelFigures({ page }: { page: Page }) {
   const { editor } = page;
   const state = editor.state.value;
-  const box = editor.box.value;
+  const box = page.shownBox.value ?? editor.box.value;
   const selected = editor.selected.value;
   if (state === null) return null;
   const { model, counts } = state;
@@ -108,7 +108,7 @@ function sizeTip(around: string, sides: readonly number[], unit: Unit): string {
   return `Bounding box of ${around}${inMm === "" ? "" : `: ${inMm}`}. Set the unit under View.`;
 }
 
-function sidesOf({ low, high }: Box): number[] {
+export function sidesOf({ low, high }: Box): number[] {
   return high.map((most, k) => most - (low[k] ?? 0));
 }
 

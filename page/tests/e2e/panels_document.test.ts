@@ -51,7 +51,11 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await user.click("View");
   await user.page.getByLabel("Unit", { exact: true }).selectOption("mm"); // a sample has no unit of its own
   await user.click("View");
+  const size = user.page.locator(".status > span").last();
+  const atRest = await size.innerText();
   await type("Move X", "5 cm");
+  await user.page.waitForFunction((before) => [...document.querySelectorAll(".status > span")].at(-1)?.textContent !== before, atRest);
+  expect(await size.innerText()).toMatch(/^5\d.* mm$/); // 50 mm and the width of the bar
   await type("Rotation angle", "2 turns");
   await type("Scale", "150 %");
   expect((await state())?.handles[0]?.pose).toEqual({

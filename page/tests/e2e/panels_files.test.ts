@@ -179,7 +179,7 @@ test("the mesh is exported as it is shown, also as a morph target", async () => 
   await user.page.getByLabel("Name of the morph target").fill("lean");
   await user.page.getByRole("dialog").getByRole("button", { name: "Export", exact: true }).click();
   await user.page.getByText("Exported", { exact: true }).waitFor();
-  const glb = folder.file("bar_deformed.glb");
+  const glb = folder.file("bar_edited.glb");
   expect(existsSync(glb)).toBe(true);
   expect(readFileSync(glb, "latin1")).toContain('"lean"');
   expect(user.complaints).toEqual([]);
