@@ -45,12 +45,24 @@ const loops = { source_loop: { loop: 3 }, target_loop: { loop: 2 } };
 
 test("loops that fit in several rotations are paired with the likeliest at once", async () => {
   trial = { ambiguous_starts: [{ pair: 0, confidence: 0.03, start: [5, 7] }] } as Partial<GraftReport>;
-  graft.arrangement.value = "apart";
   await pair();
   expect(asked.map((request) => request.do)).toEqual(["graft-drag", "graft"]);
   expect(asked[1]).toMatchObject({ pairs: [{ ...loops, start: [5, 7] }] });
   expect([...graft.chosenStarts.value]).toEqual(["5,7"]);
-  expect(graft.arrangement.value).toBe("result");
+});
+
+test("the result is shown first, once all loops of the part are paired", async () => {
+  for (const [loops, shown] of [[1, "result"], [4, "both"]] as const) {
+    state.value = documentWith(null, loops);
+    graft.arrangement.value = "apart";
+    await pair();
+    expect(graft.arrangement.value).toBe(shown);
+  }
+});
+
+test("pairs that are clicked during a trial come one after another", async () => {
+  await Promise.all([pair(), graft.pair({ mesh: 1, loop: 0 }, { mesh: 2, loop: 1 })]);
+  expect(asked.map((request) => request.do)).toEqual(["graft-drag", "graft", "graft-drag", "graft"]);
 });
 
 test("loops that fit in one rotation are paired without a start", async () => {

@@ -183,7 +183,7 @@ export class Graft {
     batch(() => {
       this.dragged.value = null;
       if (done?.transform !== undefined) this.transform.value = done.transform;
-      if (done !== undefined && starts && this.arrangement.value === "apart") this.arrangement.value = "result";
+      if (done !== undefined && starts && this.arrangement.value === "apart") this.arrangement.value = "both";
     });
     return done !== undefined;
   }
@@ -332,9 +332,14 @@ export class Graft {
 
   /**
    * Pairs two loops. The object that is the current target stays the target. Without a graft in progress the model is
-   * the target.
+   * the target. The result is shown once all loops of the source are paired. Calls run one after another.
    */
-  async pair(a: LoopRef, b: LoopRef): Promise<void> {
+  pair(a: LoopRef, b: LoopRef): Promise<void> {
+    this.pairing = this.pairing.catch(() => undefined).then(() => this.pairNow(a, b));
+    return this.pairing;
+  }
+  private pairing: Promise<void> = Promise.resolve();
+  private async pairNow(a: LoopRef, b: LoopRef): Promise<void> {
     const targetName = this.kept.value?.target ?? this.model.value?.name;
     const [target, source] = this.byMesh(a.mesh)?.name === targetName ? [a, b] : [b, a];
     const names = { target: this.byMesh(target.mesh)?.name, source: this.byMesh(source.mesh)?.name };
@@ -344,6 +349,7 @@ export class Graft {
     this.activePair.value = pairs.length - 1;
     const anew = same ? { at: null } : names;
     await this.setLikeliest({ ...anew, pairs: pairsField(pairs) });
+    if (pairs.length >= (this.byMesh(source.mesh)?.loops ?? 0)) this.arrangement.value = "result";
   }
 
   setPairs(pairs: readonly Pair[]): Promise<boolean> {
