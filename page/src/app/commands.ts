@@ -295,13 +295,13 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
   ];
 }
 
-const sides: readonly [AxisView, string, string][] = [
-  ["front", "Front view", "Num1"],
-  ["back", "Back view", "ctrl+Num1"],
-  ["right", "Right view", "Num3"],
-  ["left", "Left view", "ctrl+Num3"],
-  ["top", "Top view", "Num7"],
-  ["bottom", "Bottom view", "ctrl+Num7"],
+const sides: readonly [AxisView, string, readonly string[]][] = [
+  ["front", "Front view", ["1", "Num1"]],
+  ["back", "Back view", ["2", "ctrl+Num1"]],
+  ["right", "Right view", ["3", "Num3"]],
+  ["left", "Left view", ["4", "ctrl+Num3"]],
+  ["top", "Top view", ["7", "Num7"]],
+  ["bottom", "Bottom view", ["8", "ctrl+Num7"]],
 ];
 
 function viewCommands({ editor, view, viewport }: CommandContext): Command[] {
@@ -323,12 +323,12 @@ function viewCommands({ editor, view, viewport }: CommandContext): Command[] {
       help: "Frames everything.",
       run: () => viewport.fit("all"), enabled,
     },
-    ...sides.map(([side, label, key]): Command => ({
-      id: `look-${side}`, group: "view", label, keys: [key], help: `Shows the model from the ${side}.`,
+    ...sides.map(([side, label, keys]): Command => ({
+      id: `look-${side}`, group: "view", label, keys, help: `Shows the model from the ${side}.`,
       run: () => viewport.lookFrom(side), enabled,
     })),
     {
-      id: "projection", group: "view", label: "Orthographic", keys: ["Num5", "5"],
+      id: "projection", group: "view", label: "Orthographic", keys: ["5", "Num5"],
       help: "Switches between perspective and orthographic.",
       run: () => viewport.toggleProjection(), enabled,
     },
@@ -336,6 +336,11 @@ function viewCommands({ editor, view, viewport }: CommandContext): Command[] {
       id: "wireframe", group: "view", label: "Wireframe", keys: ["Z"],
       help: "Shows the edges of the mesh.",
       run: () => (view.wireframe.value = !view.wireframe.value), enabled, active: () => view.wireframe.value,
+    },
+    {
+      id: "panels", group: "view", label: "Panels", keys: ["J"],
+      help: "Shows or hides the panels at the right.",
+      run: () => (view.panels.value = !view.panels.value), enabled, active: () => view.panels.value,
     },
   ];
 }

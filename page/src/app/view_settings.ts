@@ -24,6 +24,7 @@ export class ViewSettings {
   readonly up = signal<"auto" | "y" | "z">("auto"); // the vertical axis; auto: as in the model
   readonly orthographic = signal(false);
   readonly grid = signal(true); // on the ground
+  readonly panels = signal(true); // at the right of the view
   readonly lessWhileMoving = signal(true); // fewer pixels while the view or a handle moves, if rendering is slow
 
   /** Takes the unit that the file of the shown model names. */

@@ -22,9 +22,10 @@ export function App({ page }: { page: Page }) {
     if (host.current !== null) page.attach(host.current);
   }, [page]);
   const isOpen = editor.isOpen.value;
+  const panels = editor.view.panels.value;
   const grafts = editor.graft.mode.value === "graft";
   return (
-    <div class={isOpen ? "app" : "app empty-app"}>
+    <div class={isOpen ? (panels ? "app" : "app folded") : "app empty-app"}>
       <Header page={page} />
       {isOpen && (grafts ? <GraftToolbar page={page} /> : <Toolbar page={page} />)}
       <main class="stage-area">
@@ -33,7 +34,7 @@ export function App({ page }: { page: Page }) {
         {!isOpen && editor.welcome.value !== null && <StartScreen page={page} />}
         <Messages page={page} />
       </main>
-      {isOpen && <Side page={page} />}
+      {isOpen && panels && <Side page={page} />}
       <StatusBar page={page} />
       <Dialogs page={page} />
       <RestoreOffer page={page} />

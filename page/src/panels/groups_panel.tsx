@@ -17,6 +17,9 @@ export function GroupsPanel({ page }: { page: Page }) {
       hint="Named selections, to reuse."
       badge={groups.length === 0 ? undefined : groups.length}
     >
+      {groups.length === 0 && editor.selected.value === 0 && (
+        <p class="hint">Select vertices with Brush, Lasso or Box, then save them here.</p>
+      )}
       <ul class="list" aria-label="Groups">
         {groups.map((group) => (
           <GroupRow key={group.name} page={page} name={group.name} colour={group.colour} />

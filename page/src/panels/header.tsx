@@ -64,6 +64,7 @@ export function Header({ page }: { page: Page }) {
         </>
       )}
       {state === null && <span class="space" />}
+      {state !== null && <CommandButton page={page} id="panels" icon="panels" />}
       <CommandButton page={page} id="help" icon="help" />
       <IconButton
         label={`Theme: ${theme.value}`}

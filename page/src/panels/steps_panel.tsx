@@ -29,6 +29,7 @@ export function StepsPanel({ page }: { page: Page }) {
       hint="The steps applied to the model, in order. Click an earlier one to change it; the later ones are recomputed."
       badge={steps.length}
     >
+      {steps.length === 0 && <p class="hint">Paint a handle, or graft a part, to begin the first step.</p>}
       <ol class="list steps" aria-label="Steps">
         {steps.map((step, i) => (
           <Fragment key={i}>

@@ -41,7 +41,9 @@ describe("the table of commands", () => {
     expect(commandFor(commands, press("z", { metaKey: true }))?.id).toBe("undo");
     expect(commandFor(commands, press("?", { shiftKey: true, code: "Slash" }))?.id).toBe("help");
     expect(commandFor(commands, press("1", { code: "Numpad1" }))?.id).toBe("look-front");
-    expect(commandFor(commands, press("1", { code: "Digit1" }))).toBeUndefined();
+    expect(commandFor(commands, press("1", { code: "Digit1" }))?.id).toBe("look-front");
+    expect(commandFor(commands, press("8", { code: "Digit8" }))?.id).toBe("look-bottom"); // no number pad is needed
+    expect(commandFor(commands, press("9", { code: "Digit9" }))).toBeUndefined();
   });
 });
 

@@ -17,7 +17,7 @@ const tools: readonly { tool: GraftTool; label: string; icon: IconName; tip: str
 ];
 
 const hints: Record<GraftTool, string> = {
-  loops: "Drag the numbered markers along their loops. Drag beside the models to orbit.",
+  loops: "Drag beside the models to orbit, right-drag to pan, wheel to zoom.",
   plane: "The line may begin and end beside the model. Arrows move the plane, rings rotate it.",
   stroke: "Orbit between strokes to get around. Enter closes the curve, Backspace removes the last point.",
   fixed: "Paint the area of the part that must not bend. Alt subtracts.",
@@ -61,7 +61,9 @@ export function GraftToolHint({ page }: { page: Page }) {
             ? "Move, rotate and scale the part with the gizmo. It bends near its loops only."
             : tool === "loops" && graft.step.value?.at !== undefined
               ? "To graft it elsewhere, drag the part from the list Parts."
-              : hints[tool]}
+              : tool === "loops" && graft.pairs.value.length > 0
+                ? "Drag the numbered markers along their loops. Drag beside the models to orbit."
+                : hints[tool]}
         </span>
         {tool === "fixed" && (
           <>
