@@ -532,7 +532,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "script.pinched": ({ vertex, percent }) => ({
     problem: `at vertex ${vertex} the surface is ${formatNumber(percent, 2, 0)} % as wide as it was`,
-    remedy: "A smaller turn, or a longer Reach, keeps more of its width.",
+    remedy: "A smaller rotation, or a longer Reach, keeps more of its width.",
   }),
   "script.pairs_unclear": ({ target_loops, target_sizes, source_loops, source_sizes }) => ({
     problem: `it is unclear which loops to join: the model has ${loopSizes(target_loops, target_sizes)}, the part ${loopSizes(source_loops, source_sizes)}`,

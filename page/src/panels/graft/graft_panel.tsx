@@ -61,7 +61,7 @@ function GraftPanel({ page }: { page: Page }) {
   return (
     <Section
       title="Graft"
-      hint={`${step.source} onto ${step.target}. Click loops to pair them; drag the numbered markers along them.`}
+      hint={`${step.source} onto ${step.target}.`}
       startsOpen
     >
       <Segments

@@ -63,7 +63,9 @@ export function GraftReportView({ page }: { page: Page }) {
       </div>
     );
   }
-  const { seam, inverted = 0, self_intersections: cuts = 0, notes = [], seconds } = report;
+  const { seam, inverted = 0, self_intersections: cuts = 0, seconds } = report;
+  const unsure = isUnsure(page);
+  const notes = (report.notes ?? []).filter(({ id }) => !unsure || id !== "merge.start_unsure"); // told already
   const whole = seam?.manifold === true && seam.oriented;
   return (
     <div class="graft-state" role="status">
@@ -82,7 +84,7 @@ export function GraftReportView({ page }: { page: Page }) {
           {seam.dihedral_p99_deg.toFixed(0)}°{seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
         </small>
       )}
-      {isUnsure(page) && (
+      {unsure && (
         <span class="unsure">Rotation unclear: the loops are nearly round. Adjust it with Twist.</span>
       )}
       {inverted > 0 && <span class="bad">The part turns inside out at {counted(inverted, "vertex", "vertices")}.</span>}
