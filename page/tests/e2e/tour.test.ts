@@ -28,6 +28,7 @@ test("grafts a head, bends the neck, looks at it and saves", async () => {
     const { editor } = window.meshgraft;
     return editor.isIdle() && editor.graft.report.value?.seam != null;
   });
+  await page.mouse.move(400, 560); // hides the tooltip
   await rests();
   await user.screenshot("editor_graft.jpg");
   await page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
