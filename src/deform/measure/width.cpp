@@ -48,7 +48,29 @@ std::vector<Index> choose_vertices(std::span<const std::uint8_t> is_free) {
   return chosen;
 }
 
-std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& vertices) {
+/// Returns the triangles within the size of the free part's box.
+std::vector<Index> triangles_near(const Rest& rest, const Eigen::AlignedBox3d& box, const Context& context) {
+  const Eigen::AlignedBox3d wide(box.min().array() - rest.size, box.max().array() + rest.size);
+  Flags is_near(rest.triangles.rows(), 0);
+  parallel_blocks(
+      is_near.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+          Eigen::AlignedBox3d triangle;
+          for (const Index v : rest.triangles.row(static_cast<Eigen::Index>(t)))
+            triangle.extend(rest.points.row(v).transpose());
+          is_near[t] = wide.intersects(triangle);
+        }
+      },
+      context, 4096);
+  std::vector<Index> near;
+  for (std::size_t t = 0; t < is_near.size(); ++t)
+    if (is_near[t]) near.push_back(static_cast<Index>(t));
+  return near;
+}
+
+std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& near,
+                               const std::vector<Index>& vertices) {
   std::vector<Probe> probes(vertices.size());
   std::vector<Index> probe_at(static_cast<std::size_t>(rest.points.rows()), -1);
   for (std::size_t k = 0; k < vertices.size(); ++k) {
@@ -56,7 +78,7 @@ std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& verti
     probe_at[vertices[k]] = static_cast<Index>(k);
   }
   std::vector<int> sides(probes.size(), 0);
-  for (Eigen::Index t = 0; t < rest.triangles.rows(); ++t)
+  for (const Index t : near)
     for (int c = 0; c < 3; ++c) {
       const Index number = probe_at[rest.triangles(t, c)];
       if (number < 0) continue;
@@ -73,18 +95,6 @@ std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& verti
   return probes;
 }
 
-/// Returns the triangles within the size of the free part's box.
-std::vector<Index> triangles_near(const Rest& rest, const Eigen::AlignedBox3d& box) {
-  const Eigen::AlignedBox3d wide(box.min().array() - 1, box.max().array() + 1);
-  std::vector<Index> near;
-  for (Eigen::Index t = 0; t < rest.triangles.rows(); ++t) {
-    Eigen::AlignedBox3d triangle;
-    for (int c = 0; c < 3; ++c) triangle.extend(rest.corner(t, c));
-    if (wide.intersects(triangle)) near.push_back(static_cast<Index>(t));
-  }
-  return near;
-}
-
 }  // namespace
 
 Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> is_free,
@@ -97,9 +107,8 @@ Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> i
   if (!(size > 0) || !std::isfinite(size)) return {};
   const Rest rest{mesh.rest, mesh.triangles, box.center(), size};
   context.throw_if_stopped();
-  const std::vector<Probe> probes = make_probes(rest, vertices);
-  const std::vector<Index> near =
-      triangles_near(rest, {(box.min() - rest.middle) / size, (box.max() - rest.middle) / size});
+  const std::vector<Index> near = triangles_near(rest, box, context);
+  const std::vector<Probe> probes = make_probes(rest, near, vertices);
   std::vector<RayTriangle> traced(near.size());
   for (std::size_t k = 0; k < near.size(); ++k)
     for (int c = 0; c < 3; ++c) traced[k][static_cast<std::size_t>(c)] = rest.corner(near[k], c).cast<float>();
