@@ -256,7 +256,7 @@ TEST_F(GraftEditor, AcceptsWithOneClickAndGoesOn) {
     const Json error = page_.refusal(request);
     EXPECT_EQ(error["code"], "usage") << request;
     EXPECT_EQ(error["id"], "editor.graft_in_work");
-    EXPECT_EQ(error["remedy"], "Accept the graft, or cancel it, first.");
+    EXPECT_EQ(error["remedy"], "Accept or cancel it first.");
   }
   EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "remove"}, {"name", "head"}})["code"], "input");
   const Json pose = page_.ask({{"do", "accept"}})["pose"];

@@ -386,9 +386,10 @@ TEST_F(RunEdit, NotesACurveThatIsRedrawnAsItsMirrorImage) {
           arc + "]}}]}]}",
       "edit.json");
   const std::vector<Note> notes = run_edit(edit).report.steps[0].notes;
-  ASSERT_EQ(notes.size(), 1U);
+  ASSERT_EQ(notes.size(), 2U);
   EXPECT_EQ(notes[0].id(), "script.mirrored_curve");
   EXPECT_EQ(notes[0].get<std::string>("handle"), "rim");
+  EXPECT_EQ(notes[1].id(), "script.pinched");
 }
 
 TEST_F(RunEdit, FeaturesKeepTheirShape) {
