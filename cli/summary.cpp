@@ -73,6 +73,7 @@ void print_quality(const EditReport& report, const Points& rest) {
       "  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°{}, {} flipped faces{}\n",
       100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg, width,
       quality.flipped_faces, intersections);
+  if (report.condition_estimate) fmt::print("  condition number at least {:.2g}\n", *report.condition_estimate);
   fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
              size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,
              report.seconds.analyse + report.seconds.factorise, report.seconds.solve);

@@ -382,6 +382,23 @@ TEST(Quality, WidthIsThatOfTheNarrowestPlace) {
     EXPECT_EQ(outside.narrowest_vertex, -1);
     EXPECT_EQ(outside.width_min, 1);
   }
+  const test::TestMesh ball = test::icosphere(3);
+  for (const double depth : {2.5, 4.0}) {  // the cap comes out on the other side
+    Points edited = ball.positions;
+    for (Index v = 0; v < ball.size(); ++v)
+      if (edited(v, 2) > 0.7) edited(v, 2) -= depth;
+    std::vector<Index> all(static_cast<std::size_t>(ball.size()));
+    std::iota(all.begin(), all.end(), Index{0});
+    EXPECT_EQ(measure_quality({ball.positions, edited, ball.triangles, all}).width_min, 0) << depth;
+  }
+  // A vertex without faces, far away, changes nothing.
+  Points rest(ball.size() + 1, 3), squashed = rest;
+  rest << ball.positions, Eigen::RowVector3d(1e9, 0, 0);
+  squashed << ball.positions * Eigen::Vector3d(1, 1, 0.4).asDiagonal(), Eigen::RowVector3d(1e9, 1, 0);
+  std::vector<Index> ball_and_far(static_cast<std::size_t>(rest.rows()));
+  std::iota(ball_and_far.begin(), ball_and_far.end(), Index{0});
+  EXPECT_NEAR(measure_quality({rest, squashed, ball.triangles, ball_and_far}).width_min, 0.4, 0.02);
+
   const Surface sheet = folded_strip({0, 0, 0, 0, 0});
   std::vector<Index> all(static_cast<std::size_t>(sheet.positions.rows()));
   std::iota(all.begin(), all.end(), Index{0});

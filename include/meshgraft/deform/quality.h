@@ -55,7 +55,7 @@ struct QualityOptions {
   bool self_intersections = true;  ///< takes several times as long as all other measures
 };
 
-/// Compares two states of a surface. Takes linear time, apart from self-intersections. The result does not
+/// Compares two states of a surface. Takes O(m log m) time. The result does not
 /// depend on the number of threads. Throws Error(usage) if the shapes differ or a free vertex does not exist,
 /// Error(input) for a triangle's index out of range.
 Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options = {},

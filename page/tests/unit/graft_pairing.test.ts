@@ -76,7 +76,7 @@ test("a part with pieces that are not paired yet says how many pairs are to go, 
   const error = { id: "merge.component_without_pair", fields: { component: 0, vertices: 9, vertex: 0 } };
   graft.report.value = { event: "graft", graft: 1, error } as unknown as GraftReport;
   expect(pairsToGo(graft)).toBe(3);
-  expect(graftWords(graft)).toMatchObject({ tone: "idle", text: "3 more pairs to go" });
+  expect(graftWords(graft)).toMatchObject({ tone: "idle", text: "Up to 3 more pairs to go" });
   graft.report.value = { event: "graft", graft: 1, error: { id: "merge.no_pairs", fields: {} } } as unknown as GraftReport;
   expect(pairsToGo(graft)).toBeUndefined();
   expect(graftWords(graft).tone).toBe("problem");

@@ -470,7 +470,10 @@ Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, c
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
   count_flipped(faces, near.triangles, near_around, context, quality);
-  const Narrowest narrowest = find_narrowest(mesh, is_free, context);
+  Flags has_width = is_free;  // an unused vertex has none, and must not affect the units
+  for (Index v = 0; v < faces_around.size(); ++v)
+    if (faces_around[v].empty()) has_width[v] = 0;
+  const Narrowest narrowest = find_narrowest(mesh, has_width, context);
   quality.width_min = narrowest.width;
   quality.narrowest_vertex = narrowest.vertex;
   if (options.self_intersections) quality.new_self_intersections = count_new_self_intersections(mesh, context);

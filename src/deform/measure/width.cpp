@@ -35,7 +35,8 @@ struct Rest {
 struct Probe {
   Index vertex = -1;
   Vector3d inward = Vector3d::Zero();  ///< unit length, or zero where there is no normal
-  double edge = 0;                     ///< mean length of the edges around the vertex
+  Vector3d inward_edited = Vector3d::Zero();
+  double edge = 0;  ///< mean length of the edges around the vertex
 };
 
 std::vector<Index> choose_vertices(std::span<const std::uint8_t> is_free) {
@@ -69,7 +70,7 @@ std::vector<Index> triangles_near(const Rest& rest, const Eigen::AlignedBox3d& b
   return near;
 }
 
-std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& near,
+std::vector<Probe> make_probes(const Rest& rest, const EditedMesh& mesh, const std::vector<Index>& near,
                                const std::vector<Index>& vertices) {
   std::vector<Probe> probes(vertices.size());
   std::vector<Index> probe_at(static_cast<std::size_t>(rest.points.rows()), -1);
@@ -85,6 +86,11 @@ std::vector<Probe> make_probes(const Rest& rest, const std::vector<Index>& near,
       const Vector3d next = rest.corner(t, (c + 1) % 3) - rest.corner(t, c);
       const Vector3d last = rest.corner(t, (c + 2) % 3) - rest.corner(t, c);
       probes[number].inward -= next.cross(last);
+      const auto edited = [&](int k) -> Vector3d {
+        return (mesh.edited.row(rest.triangles(t, k)) - mesh.edited.row(rest.triangles(t, c))).transpose() /
+               rest.size;
+      };
+      probes[number].inward_edited -= edited((c + 1) % 3).cross(edited((c + 2) % 3));
       probes[number].edge += next.norm() + last.norm();
       sides[number] += 2;
     }
@@ -108,7 +114,7 @@ Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> i
   const Rest rest{mesh.rest, mesh.triangles, box.center(), size};
   context.throw_if_stopped();
   const std::vector<Index> near = triangles_near(rest, box, context);
-  const std::vector<Probe> probes = make_probes(rest, near, vertices);
+  const std::vector<Probe> probes = make_probes(rest, mesh, near, vertices);
   std::vector<RayTriangle> traced(near.size());
   for (std::size_t k = 0; k < near.size(); ++k)
     for (int c = 0; c < 3; ++c) traced[k][static_cast<std::size_t>(c)] = rest.corner(near[k], c).cast<float>();
@@ -132,7 +138,10 @@ Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> i
     const auto away = [&](int k) -> Vector3d {  // of the opposite triangle's corner from the vertex
       return (mesh.edited.row(mesh.triangles(t, k)) - mesh.edited.row(probe.vertex)).transpose() / size;
     };
-    const double ratio = ((1 - u - v) * away(0) + u * away(1) + v * away(2)).norm() / width;
+    const Vector3d across = (1 - u - v) * away(0) + u * away(1) + v * away(2);
+    const Vector3d edited_normal = (away(1) - away(0)).cross(away(2) - away(0));
+    const bool is_turned_through = across.dot(probe.inward_edited) < 0 && across.dot(edited_normal) < 0;
+    const double ratio = is_turned_through ? 0 : across.norm() / width;
     if (std::isfinite(ratio)) widths[k] = ratio;
   };
   parallel_blocks(

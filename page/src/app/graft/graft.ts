@@ -400,7 +400,17 @@ export class Graft {
       if (state.graft === null && this.dragged.value === null) this.forgetPreview();
       if (state.undo !== "cut") this.lastCut.value = null;
       if (state.graft !== null) this.mode.value = "graft";
+      this.followPairs();
     });
+  }
+  // After an undo the active pair may be gone, and the loops that wait for a pair have to be seen again.
+  private shownPairs = 0;
+  private followPairs(): void {
+    const { length } = this.keptPairs.value;
+    if (this.activePair.value >= length) this.activePair.value = Math.max(0, length - 1);
+    const waits = length > 0 && length < (this.source.value?.loops ?? 0);
+    if (length < this.shownPairs && waits && this.arrangement.value === "result") this.arrangement.value = "both";
+    this.shownPairs = length;
   }
   private forgetPreview(): void {
     this.preview.value = null;

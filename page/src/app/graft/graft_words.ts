@@ -22,11 +22,18 @@ function nextAction(graft: Graft): string | undefined {
     : "Now click the loop of the other mesh to join to it";
 }
 
-/** Returns how many pairs are still missing, if the graft waits for more; undefined if it does not. */
+/**
+ * Returns how many loops of the part have no pair, if the graft waits for more pairs; undefined if it does not. A piece
+ * with several loops needs one pair at least.
+ */
 export function pairsToGo(graft: Graft): number | undefined {
   const error = graft.report.value?.error;
   if (error === undefined || fieldsOf(error, "merge.component_without_pair") === undefined) return undefined;
   return Math.max(1, (graft.source.value?.loops ?? 0) - graft.pairs.value.length);
+}
+
+export function pairsToGoWords(count: number): string {
+  return count === 1 ? "1 more pair to go" : `Up to ${count} more pairs to go`;
 }
 
 /** Returns in few words what graft mode waits for. */
@@ -59,7 +66,7 @@ function beforeGraft(graft: Graft): LiveWords {
 function inGraft(graft: Graft, pairs: number): LiveWords {
   const { value: report } = graft.report;
   const toGo = pairsToGo(graft);
-  if (toGo !== undefined) return { tone: "idle", text: `${counted(toGo, "more pair")} to go`, explained: "" };
+  if (toGo !== undefined) return { tone: "idle", text: pairsToGoWords(toGo), explained: "Each piece of the part needs a pair." };
   if ((report?.ambiguous_starts ?? []).length > 0)
     return { tone: "warning", text: "Rotation unclear", explained: "The loops fit equally well in several rotations." };
   if (report?.error !== undefined) {
@@ -69,6 +76,9 @@ function inGraft(graft: Graft, pairs: number): LiveWords {
     return { tone: "idle", text: "No loops paired yet", explained: "" };
   if (graft.preview.value === null || graft.dragged.value !== null)
     return { tone: "busy", text: "Grafting…", explained: "A preview follows in a moment." };
+  const open = pairs > 0 ? (graft.source.value?.loops ?? 0) - pairs : 0;
+  if (open > 0)
+    return { tone: "good", text: `Grafted; ${counted(open, "loop")} of the part not joined`, explained: "Pair them too, or Accept to leave them open." };
   return { tone: "good", text: "Grafted; Accept to finish", explained: "You can still change it. The view shows the result." };
 }
 

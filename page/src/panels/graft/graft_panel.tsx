@@ -142,7 +142,7 @@ function Pairs({ page }: { page: Page }) {
                       : found
                         ? confidenceWords(confidence)
                         : graft.chosenStarts.value.has(String(pair.start))
-                          ? "rotation unclear: the smallest was taken"
+                          ? "smallest rotation taken: unclear"
                           : `set by hand${pair.matches.length > 0 ? `, ${counted(pair.matches.length, "more match", "more matches")}` : ""}`}
                   </small>
                 </span>

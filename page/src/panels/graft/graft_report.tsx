@@ -1,5 +1,5 @@
 import { graftRemedy } from "../../app/graft/graft_remedies";
-import { pairsToGo } from "../../app/graft/graft_words";
+import { pairsToGo, pairsToGoWords } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { counted } from "../../app/units";
@@ -36,7 +36,7 @@ export function GraftReportView({ page }: { page: Page }) {
   if (toGo !== undefined)
     return (
       <div class="graft-state" role="status">
-        <strong>{counted(toGo, "more pair")} to go</strong>
+        <strong>{pairsToGoWords(toGo)}</strong>
         <span>Click a loop of the model and the loop of the part to join to it.</span>
       </div>
     );
