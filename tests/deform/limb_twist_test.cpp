@@ -28,6 +28,13 @@ LimbTwist limbs_of(const test::TestMesh& mesh, const Flags& given) {
   return {surface, fields, given, SolverBackend::automatic, {}};
 }
 
+/// The same with maps given at both ends.
+LimbTwist limbs_of(const test::Limb& limb) {
+  Flags given(static_cast<std::size_t>(limb.mesh.size()), 1);
+  for (const Index v : limb.middle) given[v] = 0;
+  return limbs_of(limb.mesh, given);
+}
+
 std::vector<test::LimbShape> limb_shapes() {
   std::vector<test::LimbShape> shapes;
   for (const double radii : {4.0, 8.0, 20.0})
@@ -47,9 +54,7 @@ Deformer twisted(const test::Limb& limb, DeformMethod method) {
 TEST(LimbTwist, FindsAxisAndCentreLineOfAPipe) {
   for (const test::LimbShape& shape : limb_shapes()) {
     const test::Limb limb = test::make_limb(shape);
-    Flags given(static_cast<std::size_t>(limb.mesh.size()), 1);
-    for (const Index v : limb.middle) given[v] = 0;
-    const LimbTwist limbs = limbs_of(limb.mesh, given);
+    const LimbTwist limbs = limbs_of(limb);
     ASSERT_FALSE(limbs.empty()) << limb.mesh.name;
     for (const Index v : limb.middle) {
       const double up = limbs.at(v).axis[2] > 0 ? 1 : -1;
@@ -66,9 +71,7 @@ TEST(LimbTwist, FindsTheSlopeOfWholeSections) {
   const double rate = 0.3, wave = 0.5;
   for (const test::LimbShape& shape : limb_shapes()) {
     const test::Limb limb = test::make_limb(shape);
-    Flags given(static_cast<std::size_t>(limb.mesh.size()), 1);
-    for (const Index v : limb.middle) given[v] = 0;
-    const LimbTwist limbs = limbs_of(limb.mesh, given);
+    const LimbTwist limbs = limbs_of(limb);
     ASSERT_FALSE(limbs.empty()) << limb.mesh.name;
     Columns turns(limb.mesh.size(), 2);  // in proportion to the height; the same with a wave around the limb
     for (Index v = 0; v < limb.mesh.size(); ++v) {

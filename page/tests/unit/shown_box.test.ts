@@ -34,6 +34,6 @@ test("the box follows the shown positions, and the model that is opened next", (
 
 test("an export is named after the edit file, or after the model", () => {
   expect(exportName({ name: "bust.ply", edit: "" })).toBe("bust_edited");
-  expect(exportName({ name: "bust.ply", edit: "/work/portrait.json" })).toBe("portrait");
+  expect(exportName({ name: "bust.ply", edit: "/models/portrait.json" })).toBe("portrait");
   expect(exportName(null)).toBe("model_edited");
 });

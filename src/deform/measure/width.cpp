@@ -34,9 +34,9 @@ struct Rest {
 /// A free vertex and the ray from it into the body.
 struct Probe {
   Index vertex = -1;
-  Vector3d inward = Vector3d::Zero();  ///< unit length, or zero where there is no normal
-  Vector3d inward_edited = Vector3d::Zero();
-  double edge = 0;  ///< mean length of the edges around the vertex
+  Vector3d inward = Vector3d::Zero();         ///< unit length, or zero where there is no normal
+  Vector3d inward_edited = Vector3d::Zero();  ///< in the edited state, of any length
+  double edge = 0;                            ///< mean length of the edges around the vertex
 };
 
 std::vector<Index> choose_vertices(std::span<const std::uint8_t> is_free) {
