@@ -1,5 +1,5 @@
 // Makes random grafts of the built-in models on one another. Prints Markdown tables of how many results are
-// valid, why grafts are refused, and how good the results are.
+// valid, and how good the results are.
 //
 //   meshgraft_random_grafts [--count 500] [--seed 1] [--verbose] [--save FOLDER]
 
@@ -34,39 +34,17 @@ struct Arguments {
   std::filesystem::path folder;  ///< where the meshes of each graft are saved; not if empty
 };
 
-struct Refusal {
-  std::string reason;
-  std::string text;  ///< the message with its numbers, and how well the loops fit
-  bool is_right = true;
-};
-
 struct Outcome {
   std::uint64_t seed = 0;
   std::string text;
-  std::vector<Refusal> refusals;  ///< in order; an attempt that follows the remedy comes after each
-  bool merged = false;
+  std::string refusal;  ///< id of the error; empty where it was merged
   std::vector<std::string> faults;
   double seconds = 0;
   MergeReport report;
   test::Intersections intersections;
 
-  bool is_valid() const { return merged && faults.empty(); }
+  bool is_valid() const { return refusal.empty() && faults.empty(); }
 };
-
-// Returns the reason by which refusals are counted.
-std::string reason_of(const Error& error) { return fmt::format("{}: {}", to_string(error.code()), error.id()); }
-
-// Judges a refusal: that of an ambiguous start is right only if the best start is hardly better than another.
-Refusal judged(const Error& error, const test::RandomGraft& graft) {
-  Refusal refusal{reason_of(error), fmt::format("{} ({})", error.problem(), error.remedy()), true};
-  if (error.id() != "merge.ambiguous_start") return refusal;
-  const test::LoopFit fit = test::fit_of_loops(graft, ambiguous_starts(error.fact()).front().pair);
-  refusal.is_right = fit.is_ambiguous();
-  refusal.text +=
-      fmt::format("; the best start leaves {:.3f}, another one {:.3f}, the worst {:.3f} of the radius",
-                  fit.best, fit.rival, fit.worst);
-  return refusal;
-}
 
 void save(const test::RandomGraft& graft, const MergeResult& result, const std::filesystem::path& folder,
           std::uint64_t seed) {
@@ -77,23 +55,18 @@ void save(const test::RandomGraft& graft, const MergeResult& result, const std::
 }
 
 Outcome run_one(std::uint64_t seed, const Arguments& arguments) {
-  Outcome outcome{seed, {}, {}, false, {}, 0, {}, {}};
-  test::RandomGraft graft = test::make_random_graft(seed);
+  Outcome outcome;
+  outcome.seed = seed;
+  const test::RandomGraft graft = test::make_random_graft(seed);
   outcome.text = graft.text;
   try {
-    for (bool again = true; again;) {
-      const auto start = std::chrono::steady_clock::now();
-      const test::Attempt made = test::attempt(graft);
-      outcome.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      again = false;
-      if (made.refusal) {
-        outcome.refusals.push_back(judged(*made.refusal, graft));
-        if (made.refusal->code() == ErrorCode::internal) outcome.faults = {outcome.refusals.back().reason};
-        // Each remedy settles one pair, so more refusals than pairs end the attempts.
-        again = outcome.refusals.size() <= graft.pairs.size() && test::follow_remedy(graft, *made.refusal);
-        continue;
-      }
-      outcome.merged = true;
+    const auto start = std::chrono::steady_clock::now();
+    const test::Attempt made = test::attempt(graft);
+    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (made.refusal) {
+      outcome.refusal = fmt::format("{}: {}", made.refusal->id(), made.refusal->what());
+      if (made.refusal->code() == ErrorCode::internal) outcome.faults = {outcome.refusal};
+    } else {
       outcome.report = made.result->report;
       outcome.faults = test::faults_of(graft, *made.result);
       outcome.intersections = test::intersections_of(graft, *made.result);
@@ -118,21 +91,14 @@ void print_counts(const std::vector<Outcome>& outcomes) {
       if (count.seeds.size() < 5) count.seeds.push_back(outcome.seed);
     };
     if (outcome.is_valid())
-      add(outcome.refusals.empty() ? "valid" : "valid from the start that the refusal names");
+      add("valid");
     else if (outcome.faults.empty())
-      add("refused");
+      add("refused: " + outcome.refusal);
     for (const std::string& fault : outcome.faults) add("INVALID: " + fault);
   }
   fmt::print("| outcome | grafts | for instance, number |\n|---|---:|---|\n");
   for (const auto& [what, count] : counts)
     fmt::print("| {} | {} | {} |\n", what, count.runs, fmt::join(count.seeds, ", "));
-}
-
-void print_refusals(const std::vector<Outcome>& outcomes) {
-  fmt::print("\n| refusal of number | reason | right |\n|---:|---|---|\n");
-  for (const Outcome& outcome : outcomes)
-    for (const Refusal& refusal : outcome.refusals)
-      fmt::print("| {} | {} | {} |\n", outcome.seed, refusal.text, refusal.is_right ? "yes" : "NO");
 }
 
 // Returns by how many degrees the seam's dihedral angles (p99) exceed those of the surfaces that it joins.

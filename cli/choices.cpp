@@ -81,6 +81,15 @@ CLI::Option* add_threads(CLI::App& command, int& threads) {
       ->check(whole_number_from(1, 1024));
 }
 
+CLI::Option* add_upright(CLI::App& command, std::string& text) {
+  return command
+      .add_option(
+          "--upright", text,
+          "Axes that are up and front in target and source, such as z,-y:y,z (default: guessed); a start "
+          "that is found brings up to up and front to front")
+      ->type_name("UP,FRONT:UP,FRONT");
+}
+
 CLI::Option* add_memory(CLI::App& command, std::uint64_t& bytes) {
   return command
       .add_option_function<std::uint64_t>(

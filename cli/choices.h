@@ -45,6 +45,9 @@ CLI::Option* add_as_published(CLI::App& command, std::optional<Preset>& preset);
 /// Adds `--threads N`.
 CLI::Option* add_threads(CLI::App& command, int& threads);
 
+/// Adds `--upright`, which `parse_upright` reads.
+CLI::Option* add_upright(CLI::App& command, std::string& text);
+
 /// Adds `--memory`, in bytes here and MB on the command line; 0 without it, as in Context.
 CLI::Option* add_memory(CLI::App& command, std::uint64_t& bytes);
 

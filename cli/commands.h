@@ -24,6 +24,7 @@ void add_run(CLI::App& program, Action& action);
 void add_deform(CLI::App& program, Action& action);
 void add_compare(CLI::App& program, Action& action);
 void add_cut(CLI::App& program, Action& action);
+void add_loops(CLI::App& program, Action& action);
 void add_merge(CLI::App& program, Action& action);
 void add_sample(CLI::App& program, Action& action);
 void add_edit(CLI::App& program, Action& action);    ///< only where the editor was built

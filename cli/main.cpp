@@ -45,6 +45,7 @@ void add_commands(CLI::App& program, cli::Action& action) {
   cli::add_deform(program, action);
   cli::add_compare(program, action);
   cli::add_cut(program, action);
+  cli::add_loops(program, action);
   cli::add_merge(program, action);
   cli::add_sample(program, action);
 #ifdef MESHGRAFT_HAS_EDITOR

@@ -42,7 +42,7 @@ struct MergeArguments {
   // The following options are for TARGET and SOURCE, without an edit file.
   std::vector<std::string> pairs, starts, matches, align;
   std::optional<MergePose> pose;
-  std::string fix, reach, mirror, at;
+  std::string fix, reach, mirror, at, upright;
   std::vector<std::string> features;
   std::optional<double> size, spin_deg;
   std::optional<Index> source_loop;
@@ -174,6 +174,11 @@ EditFile plain_edit(const MergeArguments& arguments) {
   EditFile edit;
   edit.inputs.push_back({.name = "source", .file = from_there(arguments.source)});
   edit.inputs.push_back({.name = "target", .file = from_there(arguments.target)});
+  if (!arguments.upright.empty()) {
+    const UprightModels known = parse_upright(arguments.upright, "--upright");
+    edit.inputs[0].orientation = known.source;
+    edit.inputs[1].orientation = known.target;
+  }
   edit.steps.push_back({{}, {}, std::move(step)});
   edit.made_with = this_library();
   // The parser checks the edit.
@@ -332,6 +337,7 @@ void add_loop_options(CLI::App& command, MergeArguments& arguments) {
   };
   list("--pair", arguments.pairs, "Loops that meet, as 'info' numbers them; repeatable");
   list("--start", arguments.starts, "Vertices that meet, one on each loop");
+  plain(add_upright(command, arguments.upright));
   list("--match", arguments.matches, "More vertices that meet; repeatable, by arc length between them");
   list("--align", arguments.align, "Pose the source first by three or more such pairs; repeatable");
   plain(command.add_flag("--fix-winding", arguments.fix_winding,

@@ -22,11 +22,16 @@ void print_deform(const StepReport& step, const std::string& name) {
                name);
 }
 
+std::string found_text(const PairReport& pair) {
+  if (!pair.starts.empty()) return fmt::format(" (found, {:.0f} % probable)", 100 * pair.confidence);
+  return pair.confidence < 1 ? fmt::format(" (found, confidence {:.2f})", pair.confidence) : "";
+}
+
 void print_pairs(const MergeReport& report, const std::string& name) {
   for (const PairReport& pair : report.pairs)
     fmt::print("  {}matched {} vertices of the target with {} of the source, {}:{} first{}\n", name,
                pair.target_vertices, pair.source_vertices, pair.start.target, pair.start.source,
-               pair.confidence < 1 ? fmt::format(" (found, confidence {:.2f})", pair.confidence) : "");
+               found_text(pair));
 }
 
 void print_merge(const StepReport& step, const std::string& name) {

@@ -1,4 +1,5 @@
 #include "values.h"
+
 #include "cli/facts.h"
 
 namespace meshgraft::cli {
@@ -35,6 +36,20 @@ std::array<Index, 2> index_pair(const std::string& text, const std::string& opti
   if (values.size() != 2 || values[0] < 0 || values[1] < 0)
     throw Error(facts::cli::NotAPair{.text = text}, Location::place(option));
   return {values[0], values[1]};
+}
+
+UprightModels parse_upright(std::string_view text, const std::string& option) {
+  const auto fail = [&]() { throw Error(facts::cli::NotUpright{.text = text}, Location::place(option)); };
+  const auto orientation = [&](std::string_view model) {
+    const std::size_t comma = model.find(',');
+    if (comma == std::string_view::npos) fail();
+    const auto up = axis_named(model.substr(0, comma)), front = axis_named(model.substr(comma + 1));
+    if (!up || !front || up->cross(*front).isZero()) fail();
+    return make_orientation(*up, *front);
+  };
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) fail();
+  return {orientation(text.substr(0, colon)), orientation(text.substr(colon + 1))};
 }
 
 }  // namespace meshgraft::cli

@@ -10,6 +10,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/orientation.h>
 
 #include "cli/facts.h"
 
@@ -40,6 +41,14 @@ std::vector<T> numbers(std::string_view text, const std::string& option, char se
 /// Parses "x=0.5" (or y, z), or a point and a normal as px,py,pz,nx,ny,nz. Throws Error(usage) that names
 /// `option`.
 Plane parse_plane(const std::string& text, const std::string& option);
+
+/// The known orientations of two models.
+struct UprightModels {
+  Orientation target, source;
+};
+
+/// Parses "UP,FRONT:UP,FRONT", target first, of axes such as z and -y. Throws Error(usage) that names `option`.
+UprightModels parse_upright(std::string_view text, const std::string& option);
 
 /// Parses two numbers from 0 on, such as "12:7". Throws Error(usage) that names `option`.
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option);

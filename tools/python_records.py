@@ -21,7 +21,7 @@ from pathlib import Path
 RECORDS = (
     "TopologySummary", "Finding", "Diagnostics", "RepairChange", "RepairResult", "CutOptions", "CutResult",
     "OperatorOptions", "SolverStatistics", "DeformerOptions", "DeformerSummary", "EvaluationReport", "ProxySummary",
-    "Quality", "Match", "Reach", "MergeFeature", "SeamOptions", "MergeOptions", "Similarity", "SeamReport", "PairReport",
+    "Quality", "Orientation", "OrientationGuess", "Match", "StartCandidate", "Reach", "MergeFeature", "SeamOptions", "MergeOptions", "Similarity", "SeamReport", "PairReport",
     "ShapeReport", "MergeReport", "MergeIntersections", "DeformSettings", "StageSeconds", "DeformCounts", "ProxyReport",
     "SymmetryReport", "MergeOutcome", "CutOutcome", "StepReport", "EditReport::Input", "EditReport", "SampleInfo",
     "WriteResult", "HandleBuffers", "StencilNodes",

@@ -23,6 +23,7 @@ from meshgraft._facts import Error
 from meshgraft._merge import MergeKeywords, merge_step
 from meshgraft._mesh import Mesh, write
 from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords
+from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
     from typing import Self, Unpack
@@ -78,8 +79,11 @@ class Edit:
     # Building.
 
     def input(self, name: str, mesh: Any = None, *, sample: str | None = None, resolution: int = 0,
-              sha256: str | None = None) -> Self:
-        """Adds a mesh by name: a mesh of any kind, the path of a file, or a built-in model (`sample`)."""
+              sha256: str | None = None, up: Direction | None = None, front: Direction | None = None) -> Self:
+        """Adds a mesh by name: a mesh of any kind, the path of a file, or a built-in model (`sample`).
+
+        `up`, `front`: how the model stands, as axes such as "z" and "-y" or as vectors; without them merge steps guess.
+        """
         if (mesh is None) == (sample is None):
             raise ValueError("input: give a mesh, a path, or sample")
         if not isinstance(name, str):
@@ -98,6 +102,7 @@ class Edit:
         else:
             self._meshes[name] = adapt(mesh, name).mesh
             self._json["inputs"][name] = {"file": f"{name}.ply"}
+        self._json["inputs"][name].update(_texts.orientation_spec(up, front, "input"))
         return self
 
     def _in_folder(self, path: str) -> str:

@@ -40,7 +40,7 @@ class Error(Exception):
         super().__init__(message)
         self.message = message
         self.id = id
-        """stable name of the fact, e.g. "merge.ambiguous_start" """
+        """stable name of the fact, e.g. "merge.no_such_vertex" """
         self.fields: dict[str, FactValue] = dict(fields or {})
         self.location = location
         """where it is, e.g. "handles[0].select"; may be empty"""

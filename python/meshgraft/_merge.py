@@ -18,6 +18,7 @@ from meshgraft._docs_of import documented
 from meshgraft._facts import Note
 from meshgraft._records import (DeformKeywords, MergeIntersections, MergeOptions, MergePose, MergeReport, MergeShape,
                                 SeamKeywords, StageSeconds)
+from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
     from typing import Unpack
@@ -124,7 +125,9 @@ def _run(name: str, target: M, source: Any, arguments: Mapping[str, Any], *, str
     adapted = adapt(target, "target")
     own, part = adapted.mesh, adapt(source, "source").mesh
     step = merge_step("target", "source", (len(own), len(part)), arguments)
-    edit = _texts.given_step(step, {"target": own, "source": part}, name=name)
+    orientations = {side: _texts.orientation_spec(*arguments.get(f"{side}_orientation") or (None, None), f"{side}_orientation")
+                    for side in ("target", "source")}
+    edit = _texts.given_step(step, {"target": own, "source": part}, name=name, orientations=orientations)
     options = {"estimate_condition": False, "strict": strict, "keep": [], "memory": None}
     with calling(threads, None, progress) as call:
         mesh, _, report, _ = _core.run_one_step(edit, options, call)
@@ -141,7 +144,9 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
           align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None, source_transform: ArrayLike | None = None,
           size: float | None = None, normal_angle_deg: float | None = None, fixed: Any = None,
           reach_rings: int | None = None, reach_length: float | None = None, features: Sequence[Any] | None = None,
-          smooth_boundary: bool | None = None, fix_winding: bool | None = None, strict: bool = False, threads: int = 0,
+          smooth_boundary: bool | None = None, fix_winding: bool | None = None,
+          target_orientation: tuple[Direction, Direction] | None = None,
+          source_orientation: tuple[Direction, Direction] | None = None, strict: bool = False, threads: int = 0,
           progress: Progress = None, **settings: Unpack[MergeKeywords]) -> MergeResult[M]:
     """Grafts `source` onto `target` across boundary loops, as `meshgraft merge` does.
 
@@ -150,11 +155,14 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
     the source is mirrored in first; `source_transform`: a 4x4 matrix, or `align`: three or more matches, poses it.
     `features`: vertex sets of the source that keep their shape, or pairs (vertices, "affine"). `reach_rings`,
     `reach_length`: how far from its loops the source may deform. `strict`: raise an error where the result intersects itself.
+    `target_orientation`, `source_orientation`: (up, front) of a model, such as ("z", "-y"), for a start that is found; guessed
+    without it. `result.report.pairs[0].starts` are the most probable starts.
     """
     arguments = dict(pairs=pairs, matches=matches, pose=pose, shape=shape, align=align, mirror=mirror,
                      source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg, fixed=fixed,
                      reach_rings=reach_rings, reach_length=reach_length, features=features, smooth_boundary=smooth_boundary,
-                     fix_winding=fix_winding, settings=settings)
+                     fix_winding=fix_winding, target_orientation=target_orientation, source_orientation=source_orientation,
+                     settings=settings)
     return _run("merge", target, source, arguments, strict=strict, threads=threads, progress=progress)
 
 

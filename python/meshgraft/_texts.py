@@ -9,9 +9,13 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from meshgraft import _arrays
 from meshgraft.select import Selection
+
+Direction = str | ArrayLike
+"""An axis, such as "z" or "-y", or a vector."""
 
 
 def spec_of(value: Any, name: str, vertices: int | None) -> Any:
@@ -90,10 +94,20 @@ def given(edit: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str = "ed
     return text, name, folder, writer.arrays, {key: mesh._core for key, mesh in meshes.items()}
 
 
-def given_step(step: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str) -> tuple[Any, ...]:
+def given_step(step: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str,
+               orientations: Mapping[str, Mapping[str, Any]] = {}) -> tuple[Any, ...]:
     """Returns the same for an edit of one step on meshes in memory."""
-    edit = {"format": "meshgraft-edit", "version": 2, "inputs": {key: {"file": key} for key in meshes}, "steps": [dict(step)]}
+    inputs = {key: {"file": key, **orientations.get(key, {})} for key in meshes}
+    edit = {"format": "meshgraft-edit", "version": 2, "inputs": inputs, "steps": [dict(step)]}
     return given(edit, meshes, name=name, of_step=True)
+
+
+def orientation_spec(up: Direction | None, front: Direction | None, name: str) -> dict[str, Any]:
+    """Returns the fields of an input that tell how a model stands."""
+    if (up is None) != (front is None):
+        raise ValueError(f"{name}: up and front go together")
+    named = {"up": up, "front": front} if up is not None else {}
+    return {key: value if isinstance(value, str) else _arrays.vector(value, key).tolist() for key, value in named.items()}
 
 
 def require_known(settings: Collection[str], known: Collection[str]) -> None:

@@ -63,7 +63,7 @@ LoadedInputs inputs_of(const GivenEdit& given, const Context& context) {
     if (const auto found = given.meshes.find(input.name); found != given.meshes.end()) {
       context.step("check");
       for (const Note& note : notes_on_files(*found->second)) inputs.notes.push_back(note);
-      MeshState state = make_mesh_state(*found->second, input.name, context);
+      MeshState state = make_input_state(input, *found->second, input.name, context);
       reports.push_back(
           {input.name, state.label, state.mesh.vertex_count(), state.mesh.face_count(), state.diagnostics});
       inputs.states.emplace(input.name, std::move(state));

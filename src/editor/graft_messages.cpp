@@ -47,8 +47,13 @@ void add_lines(BinaryMessage& message, const MergeReport& report, const Eigen::R
 Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
 
 Json pair_summary(const PairReport& pair) {
+  Json starts = Json::array();
+  for (const auto& [start, probability, turn_deg] : pair.starts)
+    starts.push_back(
+        {{"start", {start.source, start.target}}, {"probability", probability}, {"turn_deg", turn_deg}});
   return {{"start", start_json(pair)},
           {"confidence", pair.confidence},
+          {"starts", starts},
           {"misfit_rel", pair.misfit_rel},
           {"edge_ratio", pair.edge_ratio},
           {"raggedness_deg", pair.raggedness_deg}};
@@ -90,15 +95,6 @@ Json matrix_json(const Eigen::Affine3d& map) {
   for (int i = 0; i < 4; ++i)
     rows.push_back({map.matrix()(i, 0), map.matrix()(i, 1), map.matrix()(i, 2), map.matrix()(i, 3)});
   return rows;
-}
-
-Json ambiguous_starts_json(const std::vector<AmbiguousStart>& starts) {
-  Json told = Json::array();
-  for (const AmbiguousStart& open : starts)
-    told.push_back({{"pair", open.pair},
-                    {"start", {open.least_turned.source, open.least_turned.target}},
-                    {"confidence", open.confidence}});
-  return told;
 }
 
 std::vector<std::byte> graft_frame(const ShownGraft& graft) {

@@ -28,9 +28,6 @@ std::vector<std::byte> graft_frame(const ShownGraft& graft);
 /// Returns the fields of the event `graft`.
 Json graft_fields(const ShownGraft& graft);
 
-/// Returns the field `ambiguous_starts` of the event `graft`.
-Json ambiguous_starts_json(const std::vector<AmbiguousStart>& starts);
-
 /// Returns an element of `StepInputs::found`.
 Json found_json(const MergeOutcome& merge);
 

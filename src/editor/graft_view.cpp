@@ -95,10 +95,7 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     frame = graft_frame(shown);
     told = graft_fields(shown);
   } catch (...) {
-    const Error error = current_error();
-    told["error"] = error_json(error);
-    if (error.id() == facts::merge::AmbiguousStart::id)
-      told["ambiguous_starts"] = ambiguous_starts_json(ambiguous_starts(error.fact()));
+    told["error"] = error_json(current_error());
   }
   const std::lock_guard lock(mutex_);
   if (stop.stop_requested()) return;

@@ -8,13 +8,12 @@
 
 #include <Eigen/LU>
 
-#include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge_report.h>
 
-#include "ambiguous_start.h"
 #include "deform/solve/rotations.h"
 #include "loop_curve.h"
 #include "match_by_arc_length.h"
+#include "start_candidates.h"
 
 namespace meshgraft {
 
@@ -61,13 +60,22 @@ Eigen::Matrix3d covariance(const Points& source, const Points& target, int shift
 /// Returns the largest trace of Rᵀ H over rotations R.
 double best_trace(const Eigen::Matrix3d& H) { return (nearest_rotation(H).transpose() * H).trace(); }
 
-Profile similarity_profile(const Samples& source, const Samples& target) {
-  Profile profile(sample_count);
+/// Returns the fit of each start: the rotation that brings the loops nearest to one another, and its cost.
+std::vector<LoopFit> similarity_fits(const Samples& source, const Samples& target) {
+  std::vector<LoopFit> fits(sample_count);
   for (int k = 0; k < sample_count; ++k) {
-    const Eigen::Matrix3d H = covariance(source.points, target.points, k) +
-                              normal_weight * covariance(source.normals, target.normals, k);
-    profile[k] = 1 - best_trace(H) / (1 + normal_weight);
+    const Eigen::Matrix3d of_points = covariance(source.points, target.points, k);
+    const Eigen::Matrix3d of_both = of_points + normal_weight * covariance(source.normals, target.normals, k);
+    const Eigen::Matrix3d rotation = nearest_rotation(of_both);
+    fits[k] = {1 - (rotation.transpose() * of_both).trace() / (1 + normal_weight),
+               1 - (rotation.transpose() * of_points).trace(), rotation};
   }
+  return fits;
+}
+
+Profile profile_of(const std::vector<LoopFit>& fits) {
+  Profile profile;
+  for (const LoopFit& fit : fits) profile.push_back(fit.cost);
   return profile;
 }
 
@@ -115,8 +123,8 @@ Start best_start(const Profile& profile) {
   return start;
 }
 
-/// Confidence below which a start is considered a guess.
-constexpr double distinguished = 0.03;  // all 43 refusals of 500 random grafts are right (docs/merging.md)
+/// Confidence from which the shape of a loop takes part in the similarity that several pairs share.
+constexpr double distinguished = 0.03;
 
 /// Computes the similarity that several pairs share. It uses the centres and axes of all pairs, and the
 /// shapes of those whose start is distinguished. Returns false where they do not determine it.
@@ -141,10 +149,16 @@ bool common_similarity(std::span<const Samples> sources, std::span<const Samples
   return fit_similarity(from, to, weights, common);
 }
 
+/// The cost of a start: of the points alone, and with the normals.
+struct StartCost {
+  double points = 0, both = 0;
+};
+
 /// Returns the cost of a start at a pair of vertices, evaluated at the source loop vertices and their target
-/// points. It is the exact value that the profile samples.
-double cost_of(const std::vector<double>& parameters, const LoopGeometry& source, const LoopGeometry& target,
-               const Similarity* pose) {
+/// points. It is the exact value that the profile samples. With a pose, that of the points alone is not
+/// computed.
+StartCost cost_of(const std::vector<double>& parameters, const LoopGeometry& source, const LoopGeometry& target,
+                  const Similarity* pose) {
   const Eigen::Index count = source.points.rows();
   const LoopCurve curve(source.points);
   Points there(count, 3);
@@ -166,86 +180,111 @@ double cost_of(const std::vector<double>& parameters, const LoopGeometry& source
   if (pose) {
     const Points posed =
         (pose->scale * source.points * pose->rotation.transpose()).rowwise() + pose->translation.transpose();
-    return (weights.dot((posed - there).rowwise().squaredNorm()) / (2 * radius * radius) +
-            normal_weight * normal_cost) /
-           (1 + normal_weight);
+    const double points = weights.dot((posed - there).rowwise().squaredNorm()) / (2 * radius * radius);
+    return {.both = (points + normal_weight * normal_cost) / (1 + normal_weight)};
   }
   const Points a = source.points.rowwise() - source_centre, b = there.rowwise() - target_centre;
   const double source_radius = std::sqrt(weights.dot(a.rowwise().squaredNorm()));
   const Eigen::Matrix3d H = b.transpose() * weights.asDiagonal() * a / (radius * source_radius);
-  return 1 - best_trace(H + normal_weight * normals) / (1 + normal_weight);
+  return {1 - best_trace(H), 1 - best_trace(H + normal_weight * normals) / (1 + normal_weight)};
 }
 
-/// Returns the best start at a pair of vertices near a sampled shift.
-Correspondence start_at_vertices(int shift, const LoopGeometry& source, const LoopGeometry& target,
-                                 const Similarity* pose) {
+/// A correspondence that begins at a pair of vertices.
+struct VertexStart {
+  Correspondence correspondence;
+  StartCost cost;
+};
+
+/// Returns the start at a pair of vertices that fits best among those within one sample of a shift. Where no
+/// vertices are that near, the nearest ones are taken.
+VertexStart start_at_vertices(int shift, const PairGeometry& pair, const Similarity* pose) {
   constexpr Index candidates = 64;
-  const LoopCurve source_curve(source.points), target_curve(target.points);
+  constexpr double near = 1.0 / sample_count;  // of a turn
+  const LoopCurve source_curve(pair.source.points), target_curve(pair.target.points);
   const Index count = source_curve.size(), target_count = target_curve.size();
-  Correspondence best;
-  double least = std::numeric_limits<double>::infinity();
+  VertexStart best;
+  best.cost.both = std::numeric_limits<double>::infinity();
+  double least_distance = best.cost.both;
   for (Index c = 0; c < std::min(count, candidates); ++c) {
     const auto i = static_cast<Index>(static_cast<std::int64_t>(c) * count / std::min(count, candidates));
     const double turn = source_curve.arc(i) / source_curve.length() + static_cast<double>(shift) / sample_count;
-    const auto near = static_cast<Index>(std::lround(target_curve.parameter_at(-turn * target_curve.length())));
-    for (Index k = near - 1; k <= near + 1; ++k) {
+    const auto nearest =
+        static_cast<Index>(std::lround(target_curve.parameter_at(-turn * target_curve.length())));
+    for (Index k = nearest - 1; k <= nearest + 1; ++k) {
       const Knot start{i, ((k % target_count) + target_count) % target_count};
+      const double distance = std::max(
+          near, std::abs(std::remainder(turn + target_curve.arc(start.target) / target_curve.length(), 1)));
+      if (distance > least_distance) continue;
       std::vector<double> parameters = parameters_between({&start, 1}, source_curve, target_curve);
-      const double cost = cost_of(parameters, source, target, pose);
-      if (cost >= least) continue;
-      least = cost;
-      best.loop_parameter = std::move(parameters);
+      const StartCost cost = cost_of(parameters, pair.source, pair.target, pose);
+      if (distance == least_distance && cost.both >= best.cost.both) continue;
+      least_distance = distance;
+      best.cost = cost;
+      best.correspondence.loop_parameter = std::move(parameters);
+      best.correspondence.start = {pair.loops.source[start.source], pair.loops.target[start.target]};
     }
   }
   return best;
 }
 
-/// Returns the start that rotates the source least from its current pose.
-int least_turn(const Samples& source, const Samples& target) {
-  int best = 0;
-  double most = -2;
+/// Marks the starts from which the loops' vertices coincide, as those of the two sides of one cut do.
+void mark_coincidences(std::vector<LoopFit>& fits, const PairGeometry& pair) {
+  constexpr double rounding = 1e-10;
   for (int k = 0; k < sample_count; ++k) {
-    const Eigen::Matrix3d H = covariance(source.points, target.points, k) +
-                              normal_weight * covariance(source.normals, target.normals, k);
-    const double trace = nearest_rotation(H).trace();
-    if (trace > most) most = trace, best = k;
+    const double cost = fits[k].point_cost;
+    if (cost <= fits[(k + 1) % sample_count].point_cost &&
+        cost <= fits[(k + sample_count - 1) % sample_count].point_cost)
+      fits[k].coincides = start_at_vertices(k, pair, nullptr).cost.points < rounding;
   }
-  return best;
 }
 
-AmbiguousStart ambiguous_start(std::size_t number, const LoopPair& pair, double confidence,
-                               const Correspondence& least_turned) {
-  const auto there =
-      static_cast<std::size_t>(std::lround(least_turned.loop_parameter.front())) % pair.target.size();
-  return {number, {pair.source.front(), pair.target[there]}, confidence};
+/// Returns the correspondence of the most probable start, which lists the others.
+Correspondence most_probable(const PairGeometry& pair, std::vector<LoopFit> fits,
+                             const LoopOrientations& source, const LoopOrientations& target) {
+  mark_coincidences(fits, pair);
+  Correspondence found;
+  std::vector<StartCandidate> starts;
+  int first = 0;
+  for (const RankedShift& ranked : rank_starts(fits, source, target)) {
+    Correspondence candidate = start_at_vertices(ranked.shift, pair, nullptr).correspondence;
+    if (starts.empty()) first = ranked.shift;
+    const double turn = std::remainder(static_cast<double>(ranked.shift - first) / sample_count, 1) * 360;
+    starts.push_back({candidate.start, ranked.probability, turn});
+    if (starts.size() == 1) found = std::move(candidate);
+  }
+  found.confidence = starts.front().probability;
+  found.starts = std::move(starts);
+  return found;
 }
 
 }  // namespace
 
-std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pairs, bool posed) {
+std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pairs, bool posed,
+                                                const ModelOrientations& orientations) {
   std::vector<Samples> sources, targets;
+  std::vector<std::vector<LoopFit>> fits;
   std::vector<Start> starts;
   for (const PairGeometry& pair : pairs) {
     sources.push_back(sample(pair.source, false));
     targets.push_back(sample(pair.target, true));
-    starts.push_back(best_start(similarity_profile(sources.back(), targets.back())));
+    fits.push_back(similarity_fits(sources.back(), targets.back()));
+    starts.push_back(best_start(profile_of(fits.back())));
   }
   Similarity pose;
   const bool known = posed || (pairs.size() > 1 && common_similarity(sources, targets, starts, pose));
   std::vector<Correspondence> found;
-  std::vector<AmbiguousStart> open;
   for (std::size_t p = 0; p < pairs.size(); ++p) {
-    const auto& [loops, source, target, location] = pairs[p];
-    const bool by_pose = posed || (known && starts[p].confidence < distinguished);
+    if (!known) {
+      found.push_back(most_probable(pairs[p], fits[p],
+                                    {orientations.source, loop_axis(sources[p].points).transpose()},
+                                    {orientations.target, loop_axis(targets[p].points).transpose()}));
+      continue;
+    }
+    const bool by_pose = posed || starts[p].confidence < distinguished;
     if (by_pose) starts[p] = best_start(posed_profile(sources[p], targets[p], pose));
-    found.push_back(start_at_vertices(starts[p].shift, source, target, by_pose ? &pose : nullptr));
+    found.push_back(start_at_vertices(starts[p].shift, pairs[p], by_pose ? &pose : nullptr).correspondence);
     found.back().confidence = starts[p].confidence;
-    if (!posed && starts[p].confidence < distinguished)
-      open.push_back(
-          ambiguous_start(p, loops, starts[p].confidence,
-                          start_at_vertices(least_turn(sources[p], targets[p]), source, target, nullptr)));
   }
-  if (!open.empty()) throw Error(ambiguous_start_fact(open), pairs[open.front().pair].location);
   return found;
 }
 

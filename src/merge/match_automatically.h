@@ -3,16 +3,22 @@
 #include <span>
 #include <vector>
 
+#include <meshgraft/mesh/orientation.h>
+
 #include "pair_geometry.h"
 
 namespace meshgraft {
 
-/// Finds the best cyclic alignment of each pair. It is the arc-length start from which a similarity maps the
-/// loops, normals included, best onto one another. The pairs belong to one connected source and share the
-/// similarity; loops without features of their own (circles) are thus placed by the others. With `posed` the
-/// source is already in its pose, and nearness decides. Throws Error(input) with the id merge.ambiguous_start
-/// where the best start is not distinguished from others: the loops alone do not determine which vertices meet.
-/// Its location is the first such pair's; `ambiguous_starts` returns all of them.
-std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pairs, bool posed);
+/// Orientations that the two models may have, in their own coordinates.
+struct ModelOrientations {
+  std::vector<OrientationGuess> target, source;
+};
+
+/// Finds the start of each pair. The pairs belong to one connected source. Several pairs share a similarity,
+/// which their centres, their axes and the shapes of distinguished loops determine. A single pair starts where
+/// a person would start it, and its correspondence lists the most probable starts (`rank_starts`). With `posed`
+/// the source is already in its pose, and nearness decides.
+std::vector<Correspondence> match_automatically(std::span<const PairGeometry> pairs, bool posed,
+                                                const ModelOrientations& orientations);
 
 }  // namespace meshgraft

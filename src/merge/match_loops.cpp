@@ -3,38 +3,12 @@
 #include <algorithm>
 #include <map>
 
-#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
-#include "ambiguous_start.h"
 #include "loops.h"
-#include "match_automatically.h"
 #include "match_by_arc_length.h"
-#include "merge/facts.h"
 
 namespace meshgraft {
-
-namespace {
-
-/// Matches the pairs of one component automatically. Where starts are ambiguous, appends them to `open` with
-/// their indices among all pairs, and leaves these members' correspondences unset.
-void match_members(std::span<const PairGeometry> pairs, const std::vector<std::size_t>& members, bool posed,
-                   std::vector<Correspondence>& found, std::vector<AmbiguousStart>& open) {
-  std::vector<PairGeometry> chosen;
-  for (const std::size_t p : members) chosen.push_back(pairs[p]);
-  try {
-    const std::vector<Correspondence> matched = match_automatically(chosen, posed);
-    for (std::size_t k = 0; k < members.size(); ++k) found[members[k]] = matched[k];
-  } catch (const Error& error) {
-    if (error.id() != facts::merge::AmbiguousStart::id) throw;
-    for (AmbiguousStart start : ambiguous_starts(error.fact())) {
-      start.pair = members[start.pair];
-      open.push_back(start);
-    }
-  }
-}
-
-}  // namespace
 
 std::vector<PairGeometry> pair_geometry(const Mesh& target, const Mesh& source, std::span<const LoopPair> pairs,
                                         bool smooth) {
@@ -61,18 +35,18 @@ std::vector<std::vector<std::size_t>> pairs_by_component(std::span<const PairGeo
 }
 
 std::vector<Correspondence> match_loops(std::span<const PairGeometry> pairs, std::span<const MergePair> given,
-                                        const std::vector<Index>& component, bool posed) {
+                                        const std::vector<Index>& component, bool posed,
+                                        const ModelOrientations& orientations) {
   std::vector<Correspondence> found(pairs.size());
   for (std::size_t p = 0; p < pairs.size(); ++p)
     if (!given[p].matches.empty()) found[p] = match_by_arc_length(pairs[p], given[p].matches);
-  std::vector<AmbiguousStart> open;
   for (std::vector<std::size_t>& members : pairs_by_component(pairs, component)) {
     std::erase_if(members, [&](std::size_t p) { return !given[p].matches.empty(); });
-    if (!members.empty()) match_members(pairs, members, posed, found, open);
-  }
-  if (!open.empty()) {
-    std::ranges::sort(open, {}, &AmbiguousStart::pair);
-    throw Error(ambiguous_start_fact(open), pairs[open.front().pair].location);
+    if (members.empty()) continue;
+    std::vector<PairGeometry> chosen;
+    for (const std::size_t p : members) chosen.push_back(pairs[p]);
+    std::vector<Correspondence> matched = match_automatically(chosen, posed, orientations);
+    for (std::size_t k = 0; k < members.size(); ++k) found[members[k]] = std::move(matched[k]);
   }
   return found;
 }

@@ -6,6 +6,7 @@
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "match_automatically.h"
 #include "pair_geometry.h"
 
 namespace meshgraft {
@@ -21,9 +22,9 @@ std::vector<std::vector<std::size_t>> pairs_by_component(std::span<const PairGeo
 
 /// Returns one correspondence per pair. It follows the matches given for the pair where there are any. Else it
 /// is found automatically, for each component of the source over all its pairs without matches. With `posed`
-/// the source is already in its pose. Throws Error(input) with the id merge.ambiguous_start, which lists the
-/// ambiguous pairs of all components.
+/// the source is already in its pose.
 std::vector<Correspondence> match_loops(std::span<const PairGeometry> pairs, std::span<const MergePair> given,
-                                        const std::vector<Index>& component, bool posed);
+                                        const std::vector<Index>& component, bool posed,
+                                        const ModelOrientations& orientations);
 
 }  // namespace meshgraft

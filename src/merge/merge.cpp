@@ -14,6 +14,7 @@
 #include "core/stopwatch.h"
 #include "graft_within_radius.h"
 #include "loops.h"
+#include "match_by_arc_length.h"
 #include "match_loops.h"
 #include "merge/facts.h"
 #include "merge_notes.h"
@@ -56,7 +57,43 @@ void drop_used_cut_normals(Mesh& mesh) {
   if (!used) mesh.attributes.erase(kept);
 }
 
+/// Returns the orientations that the options give, and guesses those they do not. Guesses nothing where no
+/// start has to be found.
+ModelOrientations model_orientations(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
+                                     const MergeOptions& options) {
+  ModelOrientations found{options.target_orientations, options.source_orientations};
+  const bool wanted = options.pose == MergePose::find &&
+                      std::ranges::any_of(pairs, [](const MergePair& pair) { return pair.matches.empty(); });
+  if (wanted && found.target.empty()) found.target = guess_orientations(target);
+  if (wanted && found.source.empty()) found.source = guess_orientations(source);
+  return found;
+}
+
+/// Matches loops of a refined source, from the starts and matches of before.
+void match_again(std::span<const PairGeometry> geometry, std::span<const MergePair> given,
+                 std::vector<Correspondence>& correspondences) {
+  for (std::size_t p = 0; p < geometry.size(); ++p) {
+    const std::vector<Match> start{correspondences[p].start};
+    correspondences[p].loop_parameter =
+        match_by_arc_length(geometry[p], given[p].matches.empty() ? start : given[p].matches).loop_parameter;
+  }
+}
+
 }  // namespace
+
+std::vector<std::vector<StartCandidate>> find_starts(const Mesh& target, const Mesh& source_mesh,
+                                                     std::span<const MergePair> pairs,
+                                                     const MergeOptions& options) {
+  validate_options(options, source_mesh, target);
+  const Mesh source = oriented_as_target(source_mesh, target, options.fix_winding);
+  const std::vector<LoopPair> checked = checked_loops(target, source, pairs);
+  std::vector<std::vector<StartCandidate>> starts;
+  for (Correspondence& found : match_loops(pair_geometry(target, source, checked, options.smooth_boundary),
+                                           pairs, connected_components(source), options.pose == MergePose::keep,
+                                           model_orientations(target, source_mesh, pairs, options)))
+    starts.push_back(std::move(found.starts));
+  return starts;
+}
 
 MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<const MergePair> pairs,
                          const MergeOptions& options, const Context& context) {
@@ -70,12 +107,17 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   Mesh oriented = oriented_as_target(source_mesh, target, options.fix_winding);
   std::vector<LoopPair> checked = checked_loops(target, oriented, pairs);
   require_held_components(oriented, checked);
+  const bool found = options.pose == MergePose::find;
+  std::vector<PairGeometry> geometry = pair_geometry(target, oriented, checked, options.smooth_boundary);
+  std::vector<Correspondence> correspondences =
+      match_loops(geometry, pairs, connected_components(oriented), !found,
+                  model_orientations(target, source_mesh, pairs, options));
   RefinedSource source = refine_source(std::move(oriented), std::move(checked), options.seam, context);
   const std::vector<Index> component = connected_components(source.mesh);
-  std::vector<PairGeometry> geometry =
-      pair_geometry(target, source.mesh, source.pairs, options.smooth_boundary);
-  const bool found = options.pose == MergePose::find;
-  const std::vector<Correspondence> correspondences = match_loops(geometry, pairs, component, !found);
+  if (source.added > 0) {
+    geometry = pair_geometry(target, source.mesh, source.pairs, options.smooth_boundary);
+    match_again(geometry, pairs, correspondences);
+  }
   for (std::size_t p = 0; p < pairs.size(); ++p)
     report.pairs.push_back(report_pair(geometry[p], correspondences[p], source_mesh.vertex_count()));
   report.source_vertices_added = source.added;

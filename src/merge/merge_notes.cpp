@@ -10,8 +10,8 @@ namespace {
 // "Shape").
 // Chosen: four times the 6.2° that loops of the tasks have at most.
 constexpr double ragged_deg = 25;
-// Measured on the tasks: starts found on nearly round loops have 0.08 to 0.36, others 0.86 and more.
-constexpr double unsure = 0.4;
+// Chosen: about what the worst half of the starts in docs/merging.md, "Starts", have at most.
+constexpr double unsure = 0.6;
 // Chosen, × the radius: about the most that loops of the tasks have (0.29), but for the CAD part's.
 constexpr double unlike = 0.25;
 // Chosen: the tasks' seams are bent by 35° at most.
@@ -29,9 +29,14 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
       notes.push_back(facts::merge::BoundaryRagged{.pair = p, .turn_deg = pair.raggedness_deg});
-    if (pair.confidence < unsure)
-      notes.push_back(facts::merge::StartUnsure{
-          .pair = p, .confidence = pair.confidence, .target = pair.start.target, .source = pair.start.source});
+    if (pair.starts.size() > 1 && pair.starts.front().probability < unsure) {
+      const StartCandidate& next = pair.starts[1];
+      notes.push_back(facts::merge::StartUnsure{.pair = p,
+                                                .percent = 100 * pair.starts.front().probability,
+                                                .target = next.start.target,
+                                                .source = next.start.source,
+                                                .next_percent = 100 * next.probability});
+    }
   }
   for (std::size_t p = 0; p < report.pairs.size(); ++p) {
     const double misfit = report.pairs[p].misfit_rel;

@@ -15,9 +15,11 @@ struct Correspondence {
   /// for the point (1 − t)·target[k] + t·target[k + 1]. The parameters go once round the target loop,
   /// backwards.
   std::vector<double> loop_parameter;
-  /// 0 … 1: the margin by which the best start is better than the best one elsewhere; 1 where the start was
-  /// given.
+  /// 0 … 1. A start that was ranked: its probability. One found by a pose: the margin by which it is better
+  /// than the best one elsewhere. One that was given: 1.
   double confidence = 1;
+  Match start;                         ///< the vertices it was found from; unset where matches were given
+  std::vector<StartCandidate> starts;  ///< of a start that was ranked, the most probable first
 };
 
 /// A loop and the surface normals along it; row i belongs to the loop's vertex i.

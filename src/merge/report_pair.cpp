@@ -34,6 +34,7 @@ PairReport report_pair(const PairGeometry& pair, const Correspondence& correspon
   const auto nearest = static_cast<std::size_t>(std::lround(correspondence.loop_parameter.front()));
   report.start = {source.front(), target[nearest % target.size()]};
   report.confidence = correspondence.confidence;
+  report.starts = correspondence.starts;
   report.raggedness_deg = std::max(raggedness_deg(pair.source.points), raggedness_deg(pair.target.points));
   // Counts are compared, because matched loops coincide whatever the units of their meshes.
   report.edge_ratio = static_cast<double>(source.size()) / static_cast<double>(target.size());

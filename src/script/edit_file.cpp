@@ -6,7 +6,9 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,6 +18,7 @@
 
 #include "io/file.h"
 #include "json_value.h"
+#include "mesh/facts.h"
 #include "parse_parts.h"
 #include "script/facts.h"
 #include "settings_json.h"
@@ -113,8 +116,27 @@ std::string parse_sha256(const Value& value) {
   return digits;
 }
 
+// Parses a direction: the name of an axis, such as "z" or "-y", or a vector.
+Eigen::Vector3d parse_direction(const Value& value) {
+  if (!value.is_string()) return value.direction();
+  const std::optional<Eigen::Vector3d> axis = axis_named(value.string());
+  if (!axis) value.fail(facts::script::NotADirection{});
+  return *axis;
+}
+
+Orientation parse_orientation(const Object& fields, const Value& input) {
+  for (const auto& [field, needed] : {std::pair("up", "front"), std::pair("front", "up")})
+    if (!fields.has(needed)) input.fail(facts::script::FieldNeedsField{.field = field, .needed = needed});
+  try {
+    return make_orientation(parse_direction(fields.required("up")), parse_direction(fields.required("front")));
+  } catch (const Error& error) {
+    if (error.id() != facts::mesh::OrientationUndefined::id) throw;
+    throw error.at(input.location());
+  }
+}
+
 EditInput parse_input(const std::string& name, const Value& value) {
-  const Object fields(value, {"file", "sha256", "sample", "resolution"});
+  const Object fields(value, {"file", "sha256", "sample", "resolution", "up", "front"});
   if (fields.has("file") == fields.has("sample"))
     value.fail(facts::script::NotOneOf{.names = std::array{"file", "sample"}});
   EditInput input;
@@ -129,6 +151,7 @@ EditInput parse_input(const std::string& name, const Value& value) {
     if (input.sample.empty()) v.fail(facts::script::FieldNeedsField{.field = "resolution", .needed = "sample"});
     input.resolution = static_cast<int>(v.integer_in(4, 4096));
   });
+  if (fields.has("up") || fields.has("front")) input.orientation = parse_orientation(fields, value);
   return input;
 }
 

@@ -99,10 +99,15 @@ void add_quality(Json& json, const Report& report) {
 }
 
 Json pair_json(const PairReport& pair) {
+  Json starts = Json::array();
+  for (const auto& [start, probability, turn_deg] : pair.starts)
+    starts.push_back(
+        {{"start", {start.source, start.target}}, {"probability", probability}, {"turn_deg", turn_deg}});
   return {{"source_vertices", pair.source_vertices},
           {"target_vertices", pair.target_vertices},
           {"start", {pair.start.source, pair.start.target}},
           {"confidence", pair.confidence},
+          {"starts", starts},
           {"raggedness_deg", pair.raggedness_deg},
           {"misfit_rel", pair.misfit_rel},
           {"edge_ratio", pair.edge_ratio}};

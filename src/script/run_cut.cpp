@@ -4,6 +4,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
+#include <meshgraft/mesh/orientation.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "core/stopwatch.h"
@@ -77,6 +78,7 @@ StepReport run_cut(const EditStep& edit_step, const Location& location,
   MeshState opened = make_mesh_state(std::move(result.mesh), state.label + ", cut", context);
   opened.produced = std::move(produced);
   opened.is_cut = true;
+  opened.orientations = state.orientations.empty() ? guess_orientations(state.mesh) : state.orientations;
   states.insert_or_assign(report.result, std::move(opened));
   report.seconds.check = watch.lap();
   report.seconds.total = watch.seconds();

@@ -135,6 +135,12 @@ MeshState make_mesh_state(Mesh mesh, std::string label, const Context& context) 
   return state;
 }
 
+MeshState make_input_state(const EditInput& input, Mesh mesh, std::string label, const Context& context) {
+  MeshState state = make_mesh_state(std::move(mesh), std::move(label), context);
+  if (input.orientation) state.orientations = {{*input.orientation}};
+  return state;
+}
+
 void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to) {
   for (const auto& [step, sets] : from)
     for (const auto& [what, vertices] : sets) {
@@ -154,7 +160,7 @@ LoadedInputs load_inputs(const EditFile& edit, const Context& context) {
     for (const Note& note : notes_on_files(mesh)) inputs.notes.push_back(note);
     inputs.read_seconds += watch.lap();
     context.step("check");
-    MeshState state = make_mesh_state(std::move(mesh), label_of(input), context);
+    MeshState state = make_input_state(input, std::move(mesh), label_of(input), context);
     inputs.check_seconds += watch.lap();
     inputs.reports.push_back(
         {input.name, state.label, state.mesh.vertex_count(), state.mesh.face_count(), state.diagnostics});

@@ -106,6 +106,13 @@ Mesh posed(const Mesh& source, const Eigen::Affine3d& map, const Location& locat
   return transformed(source, map, location / "source_transform");
 }
 
+// Returns orientations of a model in the coordinates to which a map takes it.
+std::vector<OrientationGuess> turned(std::vector<OrientationGuess> guesses, const Eigen::Affine3d& map) {
+  for (auto& [orientation, probability] : guesses)
+    orientation = make_orientation(map.linear() * orientation.up, map.linear() * orientation.front);
+  return guesses;
+}
+
 // Returns the error of a library call with the location of the field of the step.
 Error placed(const Error& error, const Location& location) {
   const std::vector<LocationPart>& parts = error.location().parts();
@@ -157,6 +164,7 @@ MeshState merged_state(MergeResult& result, const EditStep& step, const MeshStat
   MeshState state =
       make_mesh_state(std::move(result.mesh), fmt::format("{} with {}", target.label, source.label), context);
   state.produced = std::move(produced);
+  state.orientations = target.orientations;
   return state;
 }
 
@@ -231,6 +239,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
   outcome.posing = posing_of(step, source.sound.mesh(), target.sound.mesh(), location);
   if (outcome.options.reach.length)
     *outcome.options.reach.length *= std::cbrt(std::abs(outcome.posing.linear().determinant()));
+  outcome.options.target_orientations = target.state.orientations;
+  outcome.options.source_orientations = turned(source.state.orientations, outcome.posing);
   const Mesh part = posed(source.sound.mesh(), outcome.posing, location);
   report.seconds.select = watch.lap();
 

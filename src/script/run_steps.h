@@ -9,6 +9,7 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/diagnostics.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/orientation.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>
 #include <meshgraft/script/run_edit.h>
@@ -29,6 +30,9 @@ struct MeshState {
   Flags was_free;       ///< per vertex: free in any deform step
   bool is_cut = false;  ///< the edit cut it: vertices there coincide on purpose
   ProducedSets produced;
+  /// Orientations that the model may have: one that its input tells, or guesses from before it was cut. Empty:
+  /// nobody asked yet.
+  std::vector<OrientationGuess> orientations;
 };
 
 /// An edit's inputs, read and checked. They can be run more than once.
@@ -44,6 +48,9 @@ LoadedInputs load_inputs(const EditFile& edit, const Context& context);
 
 /// Makes a state of a mesh that no step has changed: checks it and leaves it unchanged.
 MeshState make_mesh_state(Mesh mesh, std::string label, const Context& context);
+
+/// Does the same for the mesh of an input.
+MeshState make_input_state(const EditInput& input, Mesh mesh, std::string label, const Context& context);
 
 /// Maps the vertices in `from` by `map` into `to`; removed vertices are dropped.
 void carry_produced(const ProducedSets& from, const IndexMap& map, ProducedSets& to);

@@ -272,12 +272,23 @@ Json step_json(const EditStep& edit_step, const CutStep& step) {
   return json;
 }
 
+// Returns the name of an axis, or a vector.
+Json direction_json(const Eigen::Vector3d& direction) {
+  for (const char* name : {"x", "y", "z", "-x", "-y", "-z"})
+    if (direction == *axis_named(name)) return name;
+  return vector_json(direction);
+}
+
 Json input_json(const EditInput& input) {
   Json json = Json::object();
   if (!input.file.empty()) json["file"] = input.file;
   if (input.sha256) json["sha256"] = *input.sha256;
   if (!input.sample.empty()) json["sample"] = input.sample;
   if (input.resolution != 0) json["resolution"] = input.resolution;
+  if (input.orientation) {
+    json["up"] = direction_json(input.orientation->up);
+    json["front"] = direction_json(input.orientation->front);
+  }
   return json;
 }
 

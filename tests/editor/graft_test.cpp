@@ -49,21 +49,20 @@ TEST_F(GraftEditor, PairsByItselfAndTellsHowSure) {
   expect_replayed(frame);
 }
 
-TEST_F(GraftEditor, TellsWhichStartsAreOpen) {
+TEST_F(GraftEditor, TellsTheStartsThatOneMayMean) {
   page_.ask({{"do", "open"}, {"sample", "cylinder"}, {"resolution", 20}});
   page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "cylinder"}, {"resolution", 20}, {"name", "tube"}});
   const Json pair = {{"source_loop", loop_0}, {"target_loop", {{"loop", 1}}}};
   const Json event = graft({{"source", "tube"}, {"pairs", {pair}}});
-  ASSERT_EQ(event["error"]["code"], "input") << "circles fit from any start";
-  EXPECT_EQ(event["error"]["id"], "merge.ambiguous_start");
-  EXPECT_EQ(event["error"]["step"], 0);
-  ASSERT_EQ(event["ambiguous_starts"].size(), 1U);
-  const Json& open = event["ambiguous_starts"][0];
-  EXPECT_EQ(open["pair"], 0);
-  EXPECT_LT(open["confidence"], 0.1);
+  ASSERT_FALSE(event.contains("error")) << event;
+  const Json& found = event["pairs"][0];
+  ASSERT_GT(found["starts"].size(), 1U) << "circles fit from any start";
+  EXPECT_EQ(found["starts"][0]["probability"], found["confidence"]);
   Json given = pair;
-  given["start"] = open["start"];
-  EXPECT_FALSE(graft({{"pairs", {given}}}).contains("error"));
+  given["start"] = found["starts"][1]["start"];
+  const Json other = graft({{"pairs", {given}}});
+  EXPECT_EQ(other["pairs"][0]["confidence"], 1);
+  EXPECT_TRUE(other["pairs"][0]["starts"].empty());
 }
 
 TEST_F(GraftEditor, PairsByHand) {

@@ -1,13 +1,15 @@
 #include "merge/match_automatically.h"
 
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
-#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/orientation.h>
 
 #include "merge/loop_curve.h"
 #include "merge/loop_pairs.h"
@@ -15,7 +17,8 @@
 namespace meshgraft {
 namespace {
 
-Correspondence alone(const PairGeometry& pair) { return match_automatically({&pair, 1}, false)[0]; }
+/// Matches a pair whose models may have any orientation.
+Correspondence alone(const PairGeometry& pair) { return match_automatically({&pair, 1}, false, {})[0]; }
 
 /// Returns the same loop as source and target. The target runs the other way and begins elsewhere, so that
 /// source vertex i meets target vertex n - 1 - i - shift.
@@ -83,33 +86,55 @@ TEST(MatchAutomatically, RounderLoopsAreLessCertain) {
   }
 }
 
-TEST(MatchAutomatically, RefusesLoopsThatFitFromOtherStarts) {
-  const auto star = [](int tips) {
-    return test::loop_of_curve(test::around_z(60, [tips](double angle) {
-      return Eigen::Vector2d(tips == 0 ? 1 : 1 + 0.3 * std::cos(tips * angle), 0);
-    }));
-  };
-  for (const int tips : {0, 2, 3, 5}) {  // 0 makes a circle
-    LoopGeometry loop = star(tips);
-    loop.normals = Eigen::RowVector3d(0, 0, 1).replicate(60, 1);
-    const PairGeometry pair = planted_pair(loop, 11);
-    try {
-      alone(pair);
-      ADD_FAILURE() << tips << " tips were matched";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.id(), "merge.ambiguous_start");
-      EXPECT_EQ(error.code(), ErrorCode::input);
-      EXPECT_EQ(error.location().text(), "pair 3");
-      const std::vector<AmbiguousStart> starts = ambiguous_starts(error.fact());
-      ASSERT_EQ(starts.size(), 1U);
-      EXPECT_EQ(starts[0].pair, 0U);
-      EXPECT_LT(starts[0].confidence, 0.03);
-      // The source is on the target already, so no turn is the least one.
-      EXPECT_EQ(starts[0].least_turned.source, 100);
-      EXPECT_EQ(starts[0].least_turned.target, 500 + 60 - 1 - 11) << tips;
+/// Returns a flat loop with so many tips; 0 makes a circle.
+LoopGeometry star(int tips, int count = 60) {
+  LoopGeometry loop = test::loop_of_curve(test::around_z(count, [tips](double angle) {
+    return Eigen::Vector2d(tips == 0 ? 1 : 1 + 0.3 * std::cos(tips * angle), 0);
+  }));
+  loop.normals = Eigen::RowVector3d(0, 0, 1).replicate(count, 1);
+  return loop;
+}
+
+TEST(MatchAutomatically, ListsTheStartsOfAStarAlike) {
+  for (const int tips : {2, 3, 5}) {
+    const PairGeometry pair = test::numbered_pair(star(tips), test::reversed_loop(star(tips, 87)));
+    const std::vector<StartCandidate> starts = alone(pair).starts;
+    ASSERT_EQ(starts.size(), static_cast<std::size_t>(tips));
+    for (const StartCandidate& start : starts) {
+      EXPECT_NEAR(start.probability, 1.0 / tips, 0.2);
+      EXPECT_NEAR(std::remainder(start.turn_deg * tips / 360, 1), 0, 0.05);
     }
   }
-  EXPECT_NO_THROW(alone(planted_pair(star(1), 11)));
+}
+
+TEST(MatchAutomatically, VerticesThatCoincideDecideBetweenStartsThatFitAlike) {
+  for (const int tips : {1, 2, 3, 5}) {
+    const Correspondence found = alone(planted_pair(star(tips), 11));
+    EXPECT_GT(found.confidence, 0.9) << tips;
+    for (Index i = 0; i < 60; ++i)
+      EXPECT_LT(test::parameter_distance(found.loop_parameter[i], 60 - 1 - i - 11, 60), 1e-9) << tips;
+  }
+}
+
+TEST(MatchAutomatically, KnownOrientationsDecideBetweenStartsThatFitAlike) {
+  for (const int tips : {0, 2, 3, 5}) {
+    const PairGeometry pair = planted_pair(star(tips), 11);
+    const OrientationGuess here{make_orientation(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX())};
+    for (const double turn : {0.0, 2 * std::numbers::pi / 3, -2 * std::numbers::pi / 5}) {
+      if (tips > 0 && std::abs(std::remainder(turn * tips / (2 * std::numbers::pi), 1)) > 1e-9) continue;
+      const OrientationGuess there{
+          make_orientation(Eigen::Vector3d::UnitZ(), Eigen::Vector3d(std::cos(turn), std::sin(turn), 0))};
+      const Correspondence found = match_automatically({&pair, 1}, false, {{there}, {here}})[0];
+      EXPECT_GT(found.confidence, 0.9) << tips << ", " << turn;
+      for (int i = 0; i < 60; ++i) {
+        const Eigen::RowVector3d expected =
+            pair.source.points.row(i) *
+            Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix().transpose();
+        EXPECT_LT((at(pair.target.points, found.loop_parameter[i]) - expected).norm(), 0.15)
+            << tips << ", " << turn;
+      }
+    }
+  }
 }
 
 TEST(MatchAutomatically, NearnessDecidesWhereTheSourceIsPosed) {
@@ -117,7 +142,7 @@ TEST(MatchAutomatically, NearnessDecidesWhereTheSourceIsPosed) {
     const LoopGeometry loop = test::bumpy_loop(48, 0, false, bump);
     for (const Index shift : {0, 5, 30}) {
       const PairGeometry pair = planted_pair(loop, shift);
-      const Correspondence found = match_automatically({&pair, 1}, true)[0];
+      const Correspondence found = match_automatically({&pair, 1}, true, {})[0];
       for (Index i = 0; i < 48; ++i)
         EXPECT_LT(test::parameter_distance(found.loop_parameter[i], 47 - i - shift, 48), 1e-9) << bump;
     }
@@ -127,7 +152,7 @@ TEST(MatchAutomatically, NearnessDecidesWhereTheSourceIsPosed) {
   const Eigen::Affine3d turn(Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitZ()));
   const PairGeometry turned =
       test::numbered_pair(test::mapped_loop(source, turn), test::bumpy_loop(64, 0, true, 0.1));
-  const Correspondence found = match_automatically({&turned, 1}, true)[0];
+  const Correspondence found = match_automatically({&turned, 1}, true, {})[0];
   for (int i = 0; i < 64; ++i)
     EXPECT_LT((at(turned.target.points, found.loop_parameter[i]) - turned.source.points.row(i)).norm(), 0.2);
 }
@@ -163,7 +188,7 @@ TEST(MatchAutomatically, SeveralCirclesPlaceEachOther) {
       const std::vector<PairGeometry> unmoved = round_pairs(count);
       std::vector<PairGeometry> pairs = unmoved;
       for (PairGeometry& pair : pairs) pair.source = test::mapped_loop(pair.source, map);
-      expect_in_place(pairs, unmoved, match_automatically(pairs, false));
+      expect_in_place(pairs, unmoved, match_automatically(pairs, false, {}));
     }
 }
 
@@ -175,7 +200,7 @@ TEST(MatchAutomatically, ALoopWithFeaturesPlacesACircle) {
                      test::numbered_pair(test::bumpy_loop(64, 0, false), test::bumpy_loop(90, 0.37, true)));
       std::vector<PairGeometry> pairs = unmoved;
       for (PairGeometry& pair : pairs) pair.source = test::mapped_loop(pair.source, map);
-      expect_in_place(pairs, unmoved, match_automatically(pairs, false));
+      expect_in_place(pairs, unmoved, match_automatically(pairs, false, {}));
     }
 }
 

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
@@ -45,24 +44,23 @@ PairsOfParts pairs_of_parts(const std::string& letters, const std::vector<Index>
 }
 
 std::vector<Correspondence> matched(const PairsOfParts& parts, bool posed = false) {
-  return match_loops(parts.pairs, parts.given, parts.component, posed);
+  return match_loops(parts.pairs, parts.given, parts.component, posed, {});
 }
 
-/// Returns the pairs that are ambiguous.
-std::vector<std::size_t> open_pairs(const PairsOfParts& parts) {
-  std::vector<std::size_t> open;
-  try {
-    matched(parts);
-  } catch (const Error& error) {
-    EXPECT_EQ(error.id(), "merge.ambiguous_start");
-    for (const AmbiguousStart& start : ambiguous_starts(error.fact())) {
-      open.push_back(start.pair);
-      EXPECT_EQ(start.least_turned.source, parts.pairs[start.pair].loops.source.front());
-      EXPECT_TRUE(std::ranges::count(parts.pairs[start.pair].loops.target, start.least_turned.target));
+/// Returns the pairs whose starts were ranked.
+std::vector<std::size_t> ranked_pairs(const PairsOfParts& parts, bool posed = false) {
+  std::vector<std::size_t> ranked;
+  const std::vector<Correspondence> found = matched(parts, posed);
+  for (std::size_t p = 0; p < found.size(); ++p) {
+    if (found[p].starts.empty()) continue;
+    ranked.push_back(p);
+    for (const StartCandidate& start : found[p].starts) {
+      EXPECT_TRUE(std::ranges::count(parts.pairs[p].loops.source, start.start.source));
+      EXPECT_TRUE(std::ranges::count(parts.pairs[p].loops.target, start.start.target));
     }
-    EXPECT_EQ(error.location(), parts.pairs[open.front()].location);
+    EXPECT_EQ(found[p].confidence, found[p].starts.front().probability);
   }
-  return open;
+  return ranked;
 }
 
 TEST(PairsByComponent, IsAPartition) {
@@ -90,7 +88,7 @@ TEST(MatchLoops, MatchesEachComponentByItself) {
   const std::vector<Correspondence> found = matched(parts);
   for (const std::vector<std::size_t>& members : {std::vector<std::size_t>{0, 3}, {1, 2}}) {
     const std::vector<PairGeometry> chosen{parts.pairs[members[0]], parts.pairs[members[1]]};
-    const std::vector<Correspondence> expected = match_automatically(chosen, false);
+    const std::vector<Correspondence> expected = match_automatically(chosen, false, {});
     for (std::size_t k = 0; k < 2; ++k) {
       EXPECT_EQ(found[members[k]].loop_parameter, expected[k].loop_parameter);
       EXPECT_EQ(found[members[k]].confidence, expected[k].confidence);
@@ -111,32 +109,31 @@ TEST(MatchLoops, FollowsGivenMatches) {
               match_by_arc_length(parts.pairs[p], parts.given[p].matches).loop_parameter);
 }
 
-TEST(MatchLoops, ListsTheOpenPairsOfAllComponents) {
-  using Open = std::vector<std::size_t>;
-  EXPECT_EQ(open_pairs(pairs_of_parts("o", {0})), Open({0}));
-  EXPECT_EQ(open_pairs(pairs_of_parts("b", {0})), Open());
-  EXPECT_EQ(open_pairs(pairs_of_parts("ooo", {2, 1, 0})), Open({0, 1, 2}));
-  EXPECT_EQ(open_pairs(pairs_of_parts("obo", {1, 1, 0})), Open({2}));
-  EXPECT_EQ(open_pairs(pairs_of_parts("obo", {0, 1, 1})), Open({0}));
-  EXPECT_EQ(open_pairs(pairs_of_parts("obob", {0, 1, 2, 3})), Open({0, 2}));
+TEST(MatchLoops, RanksTheStartsOfPairsThatAreAlone) {
+  using Ranked = std::vector<std::size_t>;
+  EXPECT_EQ(ranked_pairs(pairs_of_parts("o", {0})), Ranked({0}));
+  EXPECT_EQ(ranked_pairs(pairs_of_parts("b", {0})), Ranked({0}));
+  EXPECT_EQ(ranked_pairs(pairs_of_parts("ooo", {2, 1, 0})), Ranked({0, 1, 2}));
+  EXPECT_EQ(ranked_pairs(pairs_of_parts("obo", {1, 1, 0})), Ranked({2}));
+  EXPECT_EQ(ranked_pairs(pairs_of_parts("obo", {0, 1, 1})), Ranked({0}));
+  EXPECT_EQ(ranked_pairs(pairs_of_parts("obo", {2, 1, 0}), true), Ranked());
 }
 
-TEST(MatchLoops, AGivenStartClosesAnOpenPair) {
+TEST(MatchLoops, RanksNoGivenStart) {
   PairsOfParts parts = pairs_of_parts("ooo", {2, 1, 0});
   for (const std::size_t p : {1U, 0U, 2U}) {
-    const std::vector<std::size_t> before = open_pairs(parts);
-    parts.given[p].matches = {{parts.pairs[p].loops.source[0], parts.pairs[p].loops.target[0]}};
-    std::vector<std::size_t> expected = before;
+    std::vector<std::size_t> expected = ranked_pairs(parts);
     std::erase(expected, p);
-    EXPECT_EQ(open_pairs(parts), expected);
+    parts.given[p].matches = {{parts.pairs[p].loops.source[0], parts.pairs[p].loops.target[0]}};
+    EXPECT_EQ(ranked_pairs(parts), expected);
   }
 }
 
-TEST(MatchLoops, NoPairOfAPosedSourceIsOpen) {
+TEST(MatchLoops, NearnessPlacesPairsOfAPosedSource) {
   const PairsOfParts parts = pairs_of_parts("obo", {2, 1, 0});
   const std::vector<Correspondence> found = matched(parts, true);
   for (std::size_t p = 0; p < 3; ++p)
-    EXPECT_EQ(found[p].loop_parameter, match_automatically({&parts.pairs[p], 1}, true)[0].loop_parameter);
+    EXPECT_EQ(found[p].loop_parameter, match_automatically({&parts.pairs[p], 1}, true, {})[0].loop_parameter);
 }
 
 TEST(PairGeometryOfMeshes, HasPointsNormalsAndNames) {

@@ -122,51 +122,6 @@ TEST(MergeErrors, NameWhatIsWrong) {
   EXPECT_EQ(cause_of(good, {.fixed = {0}}), "merge.fixed_while_pose_found");
 }
 
-TEST(MergeErrors, RoundLoopsNeedAStart) {
-  Graft graft{"tubes", make_sample("cylinder", 24), make_sample("cylinder", 24), {}};
-  graft.pairs = {{{boundary_loops(graft.source).at(0), boundary_loops(graft.target).at(1)}, {}}};
-  ASSERT_EQ(cause_of(graft), "merge.ambiguous_start");
-  const std::vector<AmbiguousStart> starts = ambiguous_starts(refusal_of(graft)->fact());
-  ASSERT_EQ(starts.size(), 1U);
-  EXPECT_EQ(starts[0].pair, 0U);
-  graft.pairs[0].matches = {starts[0].least_turned};
-  EXPECT_EQ(cause_of(graft), "");
-}
-
-TEST(MergeErrors, ListTheAmbiguousStartsOfAllComponents) {
-  const Mesh tube = make_sample("cylinder", 24);
-  const auto two = [&] {
-    Mesh mesh = tube;
-    const Index offset = tube.vertex_count();
-    mesh.attributes.clear();
-    mesh.positions.resize(2 * offset, 3);
-    mesh.positions << tube.positions, tube.positions.rowwise() + Eigen::RowVector3d(10, 0, 0);
-    for (Index f = 0; f < tube.face_count(); ++f) {
-      std::vector<Index> face(tube.faces[f].begin(), tube.faces[f].end());
-      for (Index& v : face) v += offset;
-      mesh.faces.push_back(face);
-    }
-    return mesh;
-  }();
-  const auto loops = boundary_loops(tube);
-  const auto second = [&](std::vector<Index> loop) {
-    for (Index& v : loop) v += tube.vertex_count();
-    return loop;
-  };
-  const Graft graft{
-      "tubes", two, two, {{{second(loops.at(0)), second(loops.at(1))}, {}}, {{loops.at(0), loops.at(1)}, {}}}};
-  ASSERT_EQ(cause_of(graft), "merge.ambiguous_start");
-  const Error refusal = *refusal_of(graft);
-  EXPECT_EQ(refusal.location().text(), "pair 0");
-  const std::vector<AmbiguousStart> starts = ambiguous_starts(refusal.fact());
-  ASSERT_EQ(starts.size(), 2U);
-  for (std::size_t p = 0; p < 2; ++p) {
-    EXPECT_EQ(starts[p].pair, p);
-    EXPECT_EQ(starts[p].least_turned.source, graft.pairs[p].loops.source.front());
-  }
-  EXPECT_EQ(refusal.fact().get<std::int64_t>("source"), starts[0].least_turned.source);
-}
-
 TEST(MergeErrors, InwardFacesAreNamedOrTurned) {
   Graft graft = head_on_bust(24);
   const MergeResult expected = merge_meshes(graft.target, graft.source, graft.pairs);

@@ -45,8 +45,7 @@ Mesh posed(Mesh mesh, unsigned seed) {
   return mesh;
 }
 
-// Returns grafts with one or several loops, and of positive genus. No loop is so round that its start is
-// ambiguous.
+// Returns grafts with one or several loops, and of positive genus.
 std::vector<Graft> grafts_back() {
   return {cut_sample("cactus", 28, {0, 0, 1.3}, {0.2, 0.1, 1}),
           cut_sample("dinosaur", 34, {-1, 0, 0}, {-1, 0.1, 0.2}),
@@ -107,7 +106,9 @@ TEST(Merge, GraftsBackNearlyWithEstimatedNormals) {
 }
 
 TEST(Merge, DoesNotDependOnThePoseOfTheSource) {
-  const Graft graft = head_on_bust();
+  Graft graft = head_on_bust();
+  // A source in another pose has its up and front elsewhere, so the start is given.
+  graft.pairs[0].matches = {find_starts(graft.target, graft.source, graft.pairs)[0][0].start};
   for (const MergeShape shape : {MergeShape::ft05, MergeShape::similar}) {
     for (const DeformMethod method :
          {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
@@ -206,6 +207,53 @@ TEST(Merge, StopsWhenAsked) {
   context.stop_token = stop.get_token();
   const Graft graft = head_on_bust(24);
   EXPECT_THROW(merge_meshes(graft.target, graft.source, graft.pairs, {}, context), Error);
+}
+
+TEST(Merge, TakesTheMostProbableStart) {
+  Graft tubes{"tubes", make_sample("cylinder", 24), make_sample("cylinder", 16), {}};
+  tubes.pairs = {{{boundary_loops(tubes.source).at(0), boundary_loops(tubes.target).at(1)}, {}}};
+  for (Graft graft : {tubes, head_on_bust(24)}) {
+    SCOPED_TRACE(graft.name);
+    graft.pairs[0].matches.clear();
+    const std::vector<StartCandidate> starts = find_starts(graft.target, graft.source, graft.pairs).at(0);
+    ASSERT_FALSE(starts.empty());
+    EXPECT_LE(starts.size(), 5U);
+    const MergeResult found = merge_meshes(graft.target, graft.source, graft.pairs);
+    const PairReport& pair = found.report.pairs[0];
+    EXPECT_EQ(pair.confidence, starts[0].probability);
+    ASSERT_EQ(pair.starts.size(), starts.size());
+    EXPECT_EQ(starts[0].turn_deg, 0);
+    for (std::size_t k = 0; k < starts.size(); ++k) {
+      EXPECT_EQ(pair.starts[k].start.target, starts[k].start.target);
+      if (k > 0) EXPECT_LE(starts[k].probability, starts[k - 1].probability);
+      // Each start can be given, and gives what it says.
+      graft.pairs[0].matches = {starts[k].start};
+      const MergeResult given = merge_meshes(graft.target, graft.source, graft.pairs);
+      EXPECT_TRUE(given.report.pairs[0].starts.empty());
+      if (k == 0) EXPECT_EQ(given.mesh.positions, found.mesh.positions);
+      const double turn = Eigen::AngleAxisd(given.report.shape.similarity.rotation *
+                                            found.report.shape.similarity.rotation.transpose())
+                              .angle();
+      EXPECT_NEAR(turn * 180 / std::numbers::pi, std::abs(starts[k].turn_deg), 12);
+    }
+  }
+}
+
+// Two sides of one cut fit in one way, whatever is guessed of the models.
+TEST(Merge, StartsOfTheSidesOfOneCutDoNotDependOnTheOrientations) {
+  for (Graft graft : grafts_back()) {
+    if (graft.pairs.size() > 1) continue;
+    SCOPED_TRACE(graft.name);
+    for (const auto& [up, front] : {std::pair(Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, -1, 0)),
+                                    std::pair(Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(1, 0, 0)),
+                                    std::pair(Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(1, 1, 0))}) {
+      MergeOptions options;
+      options.source_orientations = {{make_orientation(up, front)}};
+      const MergeResult result = merge_meshes(graft.target, graft.source, graft.pairs, options);
+      EXPECT_LT(largest_distance(result.grafted, graft.source.positions),
+                1e-6 * diagonal(graft.source.positions));
+    }
+  }
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ std::vector<NotedBound> noted_bounds() {
     return [value](MergeReport& report) { report.pairs[1].raggedness_deg = value; };
   };
   const auto confidence = [](double value) {
-    return [value](MergeReport& report) { report.pairs[1].confidence = value; };
+    return [value](MergeReport& report) { report.pairs[1].starts = {{{7, 8}, value}, {{3, 4}, 1 - value}}; };
   };
   const auto differing = [](double misfit, double bend_deg) {
     return [misfit, bend_deg](MergeReport& report) {
@@ -64,7 +64,7 @@ std::vector<NotedBound> noted_bounds() {
   };
   const MergeOptions kept{.pose = MergePose::keep};
   return {{"merge.boundary_ragged", raggedness(25), raggedness(25.001)},
-          {"merge.start_unsure", confidence(0.4), confidence(0.399)},
+          {"merge.start_unsure", confidence(0.6), confidence(0.599)},
           {"merge.loops_differ", differing(0.25, 61), differing(0.251, 61)},
           {"merge.loops_differ", differing(0.3, 60), differing(0.3, 60.001)},
           {"merge.loops_differ", differing(0.3, 60), differing(0.3, 60.001), kept},
@@ -110,7 +110,7 @@ TEST(MergeNotes, NameTheirPairAndItsValues) {
     MergeReport report = clean_report(3);
     PairReport& pair = report.pairs[p];
     pair.raggedness_deg = 40;
-    pair.confidence = 0.125;
+    pair.starts = {{{7, 8}, 0.5}, {{3, 4}, 0.25}};
     pair.misfit_rel = 0.5;
     report.seam.dihedral_p99_deg = 80;
     const std::vector<Note> notes = merge_notes(report, {});
@@ -118,9 +118,10 @@ TEST(MergeNotes, NameTheirPairAndItsValues) {
     for (const Note& note : notes)
       EXPECT_EQ(note.get<std::int64_t>("pair"), static_cast<std::int64_t>(p)) << note.id();
     EXPECT_EQ(notes[0].get<double>("turn_deg"), 40);
-    EXPECT_EQ(notes[1].get<double>("confidence"), 0.125);
-    EXPECT_EQ(notes[1].get<std::int64_t>("source"), pair.start.source);
-    EXPECT_EQ(notes[1].get<std::int64_t>("target"), pair.start.target);
+    EXPECT_EQ(notes[1].get<double>("percent"), 50);
+    EXPECT_EQ(notes[1].get<double>("next_percent"), 25);
+    EXPECT_EQ(notes[1].get<std::int64_t>("source"), 3);
+    EXPECT_EQ(notes[1].get<std::int64_t>("target"), 4);
     EXPECT_EQ(notes[2].get<double>("difference_percent"), 50);
     EXPECT_EQ(notes[2].get<double>("bend_deg"), 80);
   }

@@ -14,21 +14,13 @@
 namespace meshgraft::test {
 namespace {
 
-TEST(FiveHundredGrafts, AreValidOrRightlyRefused) {
-  int refused = 0, thin = 0, bent = 0;
+TEST(FiveHundredGrafts, AreValid) {
+  int thin = 0, bent = 0;
   const Stopwatch watch;
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
-    RandomGraft graft = make_random_graft(seed);
+    const RandomGraft graft = make_random_graft(seed);
     SCOPED_TRACE(std::to_string(seed) + ": " + graft.text);
-    Attempt made = attempt(graft);
-    // Each remedy settles one pair of loops.
-    for (std::size_t k = 0; made.refusal && k < graft.pairs.size(); ++k) {
-      ASSERT_EQ(made.refusal->id(), "merge.ambiguous_start") << made.refusal->what();
-      EXPECT_TRUE(fit_of_loops(graft, ambiguous_starts(made.refusal->fact()).front().pair).is_ambiguous());
-      ASSERT_TRUE(follow_remedy(graft, *made.refusal)) << made.refusal->what();
-      refused += k == 0 ? 1 : 0;
-      made = attempt(graft);
-    }
+    const Attempt made = attempt(graft);
     if (!made.result) {
       ADD_FAILURE() << made.refusal->what();
       continue;
@@ -40,7 +32,6 @@ TEST(FiveHundredGrafts, AreValidOrRightlyRefused) {
                 ? 1
                 : 0;
   }
-  RecordProperty("refused", refused);
   RecordProperty("thin", thin);
   RecordProperty("bent", bent);
   RecordProperty("seconds", std::to_string(watch.seconds()));
@@ -48,7 +39,6 @@ TEST(FiveHundredGrafts, AreValidOrRightlyRefused) {
   // show.
   EXPECT_LE(thin, 10);
   EXPECT_LE(bent, 10);
-  EXPECT_LE(refused, 50);  // a tenth: cuts that are nearly round
 }
 
 }  // namespace

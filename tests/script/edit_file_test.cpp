@@ -91,6 +91,17 @@ TEST(EditFile, ReadsBackWhatItWritesForEverySelectionPoseAndSetting) {
     EXPECT_EQ(written.find(word) != std::string::npos, std::string(word) != "0.30000000") << word;
 }
 
+TEST(EditFile, KeepsOrientations) {
+  const EditFile edit = read_edit_file(test::source_path("tests/script/accepted/orientation.json"));
+  const EditFile again = parse_edit(write_edit(edit), "again");
+  for (const EditFile* one : {&edit, &again}) {
+    const Orientation& orientation = one->inputs.front().orientation.value();
+    EXPECT_EQ(orientation.up, -Eigen::Vector3d::UnitZ());
+    EXPECT_TRUE(orientation.front.isApprox(Eigen::Vector3d(1, 0.5, 0).normalized()));
+  }
+  EXPECT_NE(write_edit(edit).find("\"up\": \"-z\""), std::string::npos);
+}
+
 TEST(EditFile, AppliesTheDocumentedDefaults) {
   const EditFile edit = parse_edit(file_with_step(handle("")), "edit.json");
   const DeformStep& step = first_step(edit);
@@ -156,6 +167,12 @@ TEST(EditFile, NamesTheFieldThatIsWrong) {
        "inputs.a.sha256: 'sha256' goes with 'file'"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"sample": "bar", "resolution": 2}}, "steps": []})",
        "inputs.a.resolution: must be from 4 to 4096"},
+      {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"sample": "bar", "up": "z"}}, "steps": []})",
+       "inputs.a: 'up' goes with 'front'"},
+      {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"sample": "bar", "up": "z", "front": "+y"}}, "steps": []})",
+       "inputs.a.front: expected an axis"},
+      {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"sample": "bar", "up": "z", "front": [0, 0, 2]}}, "steps": []})",
+       "inputs.a: up and front are no orientation"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a"}}, "steps": []})",
        "steps: expected at least one step"},
       {R"({"format": "meshgraft-edit", "version": 2, "inputs": {"a": {"file": "a"}},

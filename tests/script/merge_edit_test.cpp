@@ -106,6 +106,25 @@ TEST_F(MergeEdit, CutsMergesAndDeformsInOneFile) {
   }
 }
 
+TEST_F(MergeEdit, PartsKeepWhatTheirModelTellsOfUpAndFront) {
+  EditFile guessed = merge(by_loops);
+  const MergeOptions of_guess = run_edit(guessed).report.steps[2].merge->options;
+  EXPECT_EQ(of_guess.source_orientations.size(), 24U);
+  ASSERT_EQ(of_guess.target_orientations.size(), 24U);
+  for (std::size_t k = 0; k < 24; ++k)
+    EXPECT_EQ(of_guess.source_orientations[k].probability, of_guess.target_orientations[k].probability);
+
+  // It turns with the source.
+  EditFile told =
+      merge(by_loops + R"(, "source_transform": [[0, -2, 0, 1], [2, 0, 0, 1], [0, 0, 2, 1], [0, 0, 0, 1]])");
+  told.inputs.front().orientation = make_orientation(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ());
+  const MergeOptions options = run_edit(told).report.steps[2].merge->options;
+  ASSERT_EQ(options.source_orientations.size(), 1U);
+  EXPECT_TRUE(options.target_orientations.front().orientation.up.isApprox(Eigen::Vector3d::UnitX()));
+  EXPECT_TRUE(options.source_orientations.front().orientation.up.isApprox(Eigen::Vector3d::UnitY()));
+  EXPECT_TRUE(options.source_orientations.front().orientation.front.isApprox(Eigen::Vector3d::UnitZ()));
+}
+
 TEST_F(MergeEdit, GoesOnBesideWhatIsRefused) {
   Mesh ball = read_mesh(folder_ / "ball.ply");
   Index lowest = 0;

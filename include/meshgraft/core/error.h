@@ -41,7 +41,7 @@ struct FieldType {
 
 /// A type of fact: one row of a layer's table (src/LAYER/facts.json). docs/facts.md lists all of them.
 struct FactType {
-  std::string_view id;            ///< stable name, "layer.cause", e.g. "merge.ambiguous_start"
+  std::string_view id;            ///< stable name, "layer.cause", e.g. "merge.no_such_vertex"
   std::optional<ErrorCode> code;  ///< code of the errors of this type; none for notes
   std::span<const FieldType> fields;
   /// Sentence in the terms of the library: the problem of an error, the text of a note. "{name}" stands for the
@@ -183,7 +183,7 @@ class Error : public std::exception {
   const char* what() const noexcept override;
   ErrorCode code() const noexcept;
   const Fact& fact() const noexcept;
-  /// Returns the id of the fact, e.g. "merge.ambiguous_start".
+  /// Returns the id of the fact, e.g. "merge.no_such_vertex".
   std::string_view id() const noexcept { return fact().id(); }
   const Location& location() const noexcept;
   /// Notes that explain the error. `what()` ends with them.

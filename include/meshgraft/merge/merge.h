@@ -28,12 +28,18 @@ struct MergeResult {
 /// - a loop is not a simple boundary loop;
 /// - loops meet;
 /// - a connected component of the source has no loop (merge.component_without_pair);
-/// - correspondences cross (merge.matches_cross) or are ambiguous (merge.ambiguous_start, see
-/// `ambiguous_starts`);
+/// - correspondences cross (merge.matches_cross);
 /// - the orientations disagree (merge.orientations_disagree).
 /// Throws Error(unsolvable) and Error(cancelled).
 MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
                          const MergeOptions& options = {}, const Context& context = {});
+
+/// Returns for each pair the starts that a person may have meant, the most probable first; `merge_meshes` would
+/// take the first. They are up to five. A pair has none where its start is given or follows from other pairs of
+/// the same component, and where the pose is kept. Throws Error(input) like `merge_meshes` for unusable loops.
+std::vector<std::vector<StartCandidate>> find_starts(const Mesh& target, const Mesh& source,
+                                                     std::span<const MergePair> pairs,
+                                                     const MergeOptions& options = {});
 
 /// Numbers of pairs of faces that intersect after a merge (exact).
 struct MergeIntersections {

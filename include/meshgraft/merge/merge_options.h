@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
-#include <meshgraft/core/error.h>
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/orientation.h>
 
 namespace meshgraft {
 
@@ -26,17 +26,14 @@ struct Match {
   Index source = -1, target = -1;
 };
 
-/// A pair whose loops fit about as well from several starts.
-struct AmbiguousStart {
-  std::size_t pair = 0;  ///< index of the pair
-  /// The start that rotates the source least from its given pose, as vertices of the meshes.
-  Match least_turned;
-  double confidence = 0;  ///< 0 … 1, confidence of the start that fits best
+/// A start that a person may have meant, and how probable it is.
+struct StartCandidate {
+  Match start;
+  double probability = 0;
+  /// Turn of the source about its loop's axis from the most probable start, −180 … 180 degrees, right hand
+  /// about the direction into the source.
+  double turn_deg = 0;
 };
-
-/// Returns the ambiguous pairs that a fact merge.ambiguous_start lists, at least one, in the order of pairs.
-/// Throws std::out_of_range for other facts.
-std::vector<AmbiguousStart> ambiguous_starts(const Fact& fact);
 
 /// The origin of the source's position, orientation and scale.
 enum class MergePose {
@@ -110,6 +107,10 @@ struct MergeOptions {
   double normal_angle_deg = 0;   ///< turn of the target's normals about the tangents of its loops
   bool smooth_boundary = false;  ///< smooth ragged loops along themselves first
   bool fix_winding = false;      ///< flip the source where the direction of its loops requires it
+  /// Orientations that the models may have, in their own coordinates. A start that is not given brings up to up
+  /// and front to front where the loops allow. One: it is known. None: guessed from the mesh
+  /// (`guess_orientations`); a whole model's guesses are better than a piece's.
+  std::vector<OrientationGuess> target_orientations{}, source_orientations{};
   /// Options of the solve. A source that follows a similarity takes more co-rotational iterations to settle
   /// than a bend does.
   DeformerOptions deformer{.iterations = 60};

@@ -38,7 +38,12 @@ struct PairReport {
   Index source_vertices = 0, target_vertices = 0;
   /// First vertex of the source's loop, and the target vertex nearest to its location on the target's loop.
   Match start;
-  double confidence = 1;  ///< confidence of an automatic correspondence, 0 … 1
+  /// 0 … 1. A start that was ranked: its probability. One found by the pose: the margin by which it is better
+  /// than the best one elsewhere. One that was given: 1.
+  double confidence = 1;
+  /// Starts that a person may have meant, at most five, the most probable first; the first one was taken. Empty
+  /// where the start was given or found by the pose.
+  std::vector<StartCandidate> starts;
   /// Mean turn per vertex beyond a smooth curve's, of the worse loop, degrees.
   double raggedness_deg = 0;
   /// RMS distance of the source's loop vertices from their locations on the target's loop, × the radius of

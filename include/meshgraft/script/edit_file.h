@@ -16,6 +16,7 @@
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/orientation.h>
 #include <meshgraft/select/selection.h>
 
 namespace meshgraft {
@@ -71,6 +72,8 @@ struct EditInput {
   std::optional<std::string> sha256;  ///< SHA-256 of the file's bytes, 64 lower-case hexadecimal digits
   std::string sample;                 ///< name of a built-in model; empty for a file
   int resolution = 0;                 ///< resolution of the sample; 0 = its default
+  /// Directions that are up and front in the model; absent: guessed where a start has to be found.
+  std::optional<Orientation> orientation;
 };
 
 /// The pose of a handle.

@@ -335,10 +335,6 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.no_such_vertex": ({ side, vertex, count }) => ({
     problem: `vertex ${vertex} of the ${sideWord(side)} does not exist; it has ${count}`,
   }),
-  "merge.ambiguous_start": () => ({
-    problem: "rotation unclear: the loops fit equally well in several rotations",
-    remedy: "Drag a numbered marker, or use Twist.",
-  }),
   "merge.orientations_disagree": ({ inward, outward }) => ({
     problem: `the faces of the ${sideWord(inward)} point inward, those of the ${sideWord(outward)} outward, so the two loops do not fit`,
     remedy: turnInsideOut,
@@ -391,9 +387,9 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.source_would_reach_in": ({ size }) => ({
     problem: `the part would reach into the model, at size ${formatNumber(size, 3)}`,
   }),
-  "merge.start_unsure": ({ pair }) => ({
-    problem: `rotation of pair ${pair + 1} unclear: its loops fit almost equally well in other rotations`,
-    remedy: "If it is wrong, drag the numbered marker, or use Twist.",
+  "merge.start_unsure": ({ pair, percent }) => ({
+    problem: `rotation of pair ${pair + 1} unclear: the one shown is a guess (${formatNumber(percent, 3, 0)} %)`,
+    remedy: "If it is wrong, choose another one under Pairs, or use Twist.",
   }),
   "merge.target_matched_twice": ({ source, other_source, target }) => ({
     problem: `vertices ${source} and ${other_source} of the part are matched with the same vertex of the model, ${target}`,

@@ -43,14 +43,6 @@ beforeEach(() => {
 const pair = () => graft.pair({ mesh: 1, loop: 2 }, { mesh: 2, loop: 3 });
 const loops = { source_loop: { loop: 3 }, target_loop: { loop: 2 } };
 
-test("loops that fit in several rotations are paired with the likeliest at once", async () => {
-  trial = { ambiguous_starts: [{ pair: 0, confidence: 0.03, start: [5, 7] }] } as Partial<GraftReport>;
-  await pair();
-  expect(asked.map((request) => request.do)).toEqual(["graft-drag", "graft"]);
-  expect(asked[1]).toMatchObject({ pairs: [{ ...loops, start: [5, 7] }] });
-  expect([...graft.chosenStarts.value]).toEqual(["5,7"]);
-});
-
 test("the result is shown first, once all loops of the part are paired", async () => {
   for (const [loops, shown] of [[1, "result"], [4, "both"]] as const) {
     state.value = documentWith(null, loops);
@@ -60,15 +52,25 @@ test("the result is shown first, once all loops of the part are paired", async (
   }
 });
 
-test("pairs that are clicked during a trial come one after another", async () => {
+test("pairs that are clicked at once come one after another", async () => {
   await Promise.all([pair(), graft.pair({ mesh: 1, loop: 0 }, { mesh: 2, loop: 1 })]);
-  expect(asked.map((request) => request.do)).toEqual(["graft-drag", "graft", "graft-drag", "graft"]);
+  expect(asked.map((request) => request.do)).toEqual(["graft", "graft"]);
 });
 
-test("loops that fit in one rotation are paired without a start", async () => {
+test("loops are paired without a start, and the rotations that the engine tells can be chosen", async () => {
   await pair();
-  expect(asked[1]).toMatchObject({ pairs: [loops] });
-  expect([...graft.chosenStarts.value]).toEqual([]);
+  expect(asked[0]).toMatchObject({ do: "graft", pairs: [loops] });
+  state.value = documentWith({ source: "arms", target: "body", pairs: [loops] });
+  const starts = [
+    { start: [1, 2], probability: 0.6, turn_deg: 0 },
+    { start: [3, 4], probability: 0.3, turn_deg: 90 },
+  ];
+  const report = { event: "graft", graft: 1, pairs: [{ start: [1, 2], confidence: 0.6, starts }] };
+  graft.onEvent(report as unknown as GraftReport);
+  expect(graft.starts.candidatesOf(graft.pairs.value[0]!)).toEqual(starts);
+  await graft.setPairs([{ ...graft.pairs.value[0]!, start: [3, 4] }]);
+  graft.onEvent({ ...report, graft: 2, pairs: [{ start: [3, 4], confidence: 1, starts: [] }] } as unknown as GraftReport);
+  expect(graft.starts.candidatesOf(graft.pairs.value[0]!)).toEqual(starts); // they stay to be chosen from
 });
 
 test("a part with pieces that are not paired yet says how many pairs are to go, and no error", () => {

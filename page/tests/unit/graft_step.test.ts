@@ -1,7 +1,6 @@
 import { expect, test } from "vitest";
 import {
-  matchesOf, pairsField, readStep, withMovedMatch, withFields, withMatch, withStarts, withoutMatch, withPair, withoutPair,
-  type AmbiguousStart,
+  matchesOf, pairsField, readStep, withMovedMatch, withFields, withMatch, withoutMatch, withPair, withoutPair,
 } from "../../src/app/graft/graft_step";
 
 const step = {
@@ -53,12 +52,4 @@ test("shows dragged fields on top of the document's", () => {
   expect(dragged).toMatchObject({ normalAngleDeg: 25, shape: "ft05", mirror: { normal: [1, 0, 0] } });
   expect(dragged.pairs).toHaveLength(1);
   expect(withFields(dragged, { mirror: null }).mirror).toBeUndefined();
-});
-
-test("reads the start that the engine proposes for round loops", () => {
-  const pairs = [0, 1].map((loop) => ({ sourceLoop: loop, targetLoop: loop, matches: [] }));
-  const open: AmbiguousStart[] = [{ pair: 1, start: [3, 10044], confidence: 0.1 }];
-  expect(withStarts(pairs, open)).toEqual([pairs[0], { ...pairs[1], start: [3, 10044] }]);
-  expect(withStarts(pairs, [])).toBeUndefined();
-  expect(withStarts([], open)).toBeUndefined();
 });

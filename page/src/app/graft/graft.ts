@@ -3,7 +3,7 @@ import { MessageKind, type BinaryMessage } from "../../engine/binary_message";
 import type { Outcome } from "../../engine/connection";
 import type { DocumentState, Matrix4 } from "../../protocol";
 import {
-  pairsField, readStep, withFields, withPair, withStarts,
+  pairsField, readStep, withFields, withPair,
   type MatchRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
 import { GraftStarts } from "./graft_starts";
@@ -120,7 +120,7 @@ export class Graft {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
   }
 
-  /** Adds a part beside the model, and grafts it if the pairing is unambiguous. Resolves with the part's name. */
+  /** Adds a part beside the model, and grafts it if both have one loop. Resolves with the part's name. */
   async addPart(source: PartSource, start = true): Promise<string | undefined> {
     const done = await this.host.ask({ do: "part", what: "add", ...source });
     if (done?.name === undefined) return undefined;
@@ -139,40 +139,7 @@ export class Graft {
 
   private async startAlone(name: string): Promise<void> {
     this.arrangement.value = "result";
-    await this.setLikeliest({ source: name });
-  }
-  // Changes the graft. If round loops fit equally well from several starts, the start that rotates the part least is
-  // taken. A trial run finds it first, so that one undo takes the change back.
-  private async setLikeliest(fields: GraftFields): Promise<void> {
-    this.dragged.value = fields;
-    const done = await this.host.request({ do: "graft-drag", ...fields }).catch(() => undefined);
-    const report = done?.graft === undefined || done.graft === 0 ? undefined : await this.reportOf(done.graft);
-    const open = new Set(report?.ambiguous_starts?.map(({ pair }) => pair));
-    const pairs = this.startFor(report);
-    if (pairs !== undefined) this.report.value = null; // the report of the trial is settled
-    const chosen = (pairs ?? []).filter((_, i) => open.has(i)).map(({ start }) => String(start));
-    const isNew = this.kept.value === undefined || "source" in fields;
-    this.chosenStarts.value = new Set([...(isNew ? [] : this.chosenStarts.value), ...chosen]);
-    await this.set({ ...fields, ...(pairs === undefined ? {} : { pairs }) });
-  }
-  /** Starts that were chosen automatically among several that fit equally well. */
-  readonly chosenStarts = signal<ReadonlySet<string>>(new Set());
-  private startFor(report: GraftReport | undefined): GraftFields["pairs"] {
-    const pairs = withStarts(this.pairs.value, report?.ambiguous_starts ?? []);
-    return pairs === undefined ? undefined : pairsField(pairs);
-  }
-  /** The starts that the engine proposes, as a field of a request; undefined if there are none. */
-  readonly proposed = computed(() => this.startFor(this.report.value ?? undefined));
-
-  /** Resolves with the report of the graft with this number or a later one. */
-  private reportOf(graft: number): Promise<GraftReport> {
-    return new Promise((resolve) => {
-      const stop = this.report.subscribe((report) => {
-        if (report === null || report.graft < graft) return;
-        resolve(report);
-        queueMicrotask(() => stop());
-      });
-    });
+    await this.set({ source: name });
   }
 
   /** Changes the graft of the document, or starts one. */
@@ -348,7 +315,7 @@ export class Graft {
     const pairs = withPair(before, source.loop, target.loop);
     this.activePair.value = pairs.length - 1;
     const anew = same ? { at: null } : names;
-    await this.setLikeliest({ ...anew, pairs: pairsField(pairs) });
+    await this.set({ ...anew, pairs: pairsField(pairs) });
     if (pairs.length >= (this.byMesh(source.mesh)?.loops ?? 0)) this.arrangement.value = "result";
   }
 

@@ -1,5 +1,5 @@
 import type { GraftReport, ShownLoop, MeshObject } from "./graft_types";
-import { verticesOfMatch, type MatchedVertices, type Pair } from "./graft_step";
+import { verticesOfMatch, type MatchedVertices, type Pair, type StartCandidate } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
 /** The signals of a graft that `GraftStarts` reads. */
@@ -14,6 +14,7 @@ interface PairedLoops {
 /** Holds the starts of a graft's pairs, given or found, and computes their twist relative to the found start. */
 export class GraftStarts {
   private readonly found = new Map<string, MatchedVertices>(); // last starts found automatically
+  private readonly candidates = new Map<string, readonly StartCandidate[]>(); // the most probable first
 
   constructor(private readonly graft: PairedLoops) {}
 
@@ -32,6 +33,11 @@ export class GraftStarts {
     if (pair === undefined) return undefined;
     const reported = this.graft.report.value?.pairs?.[index]?.start;
     return verticesOfMatch(pair.start) ?? this.found.get(this.keyOf(pair)) ?? verticesOfMatch(reported);
+  }
+
+  /** Returns the starts that the user may have meant, the most probable first, as the engine told them last. */
+  candidatesOf(pair: Pair): readonly StartCandidate[] {
+    return this.candidates.get(this.keyOf(pair)) ?? [];
   }
 
   /** Returns the twist of a pair relative to the found start, in degrees along the loop. */
@@ -59,6 +65,8 @@ export class GraftStarts {
       const start = verticesOfMatch(report.pairs?.[i]?.start);
       if (start !== undefined && pair.start === undefined && pair.matches.length === 0)
         this.found.set(this.keyOf(pair), start);
+      const candidates = report.pairs?.[i]?.starts ?? [];
+      if (candidates.length > 0) this.candidates.set(this.keyOf(pair), candidates);
     });
   }
 

@@ -5,8 +5,9 @@ import type { EngineEvent, Match, PageRequest, EditSelection } from "../../proto
 export type GraftFields = Omit<Extract<PageRequest, { do: "graft-drag" }>, "do">;
 type RequestPair = NonNullable<GraftFields["pairs"]>[number];
 
-/** For a pair whose loops fit equally well from several starts: the start that rotates the part least. */
-export type AmbiguousStart = NonNullable<Extract<EngineEvent, { event: "graft" }>["ambiguous_starts"]>[number];
+/** A start that the user may have meant, and how probable it is. */
+export type StartCandidate = GraftedPair["starts"][number];
+type GraftedPair = NonNullable<Extract<EngineEvent, { event: "graft" }>["pairs"]>[number];
 
 /** A vertex of the source and the vertex of the target that it matches. */
 export type MatchedVertices = readonly [number, number];
@@ -173,15 +174,4 @@ export function withFields(step: GraftStep, fields: GraftFields): GraftStep {
     ...(has("source_transform") && { sourceTransform: asked.sourceTransform }),
     ...(has("fixed") && { hasFixed: asked.hasFixed }),
   };
-}
-
-/**
- * Returns the pairs with the proposed starts where loops fit equally well from several; undefined if there are none.
- */
-export function withStarts(pairs: readonly Pair[], open: readonly AmbiguousStart[]): Pair[] | undefined {
-  if (pairs.length === 0 || open.length === 0) return undefined;
-  return pairs.map((pair, i) => {
-    const [source, target] = open.find((one) => one.pair === i)?.start ?? [];
-    return source === undefined || target === undefined ? pair : { ...pair, start: [source, target] };
-  });
 }

@@ -67,8 +67,6 @@ function inGraft(graft: Graft, pairs: number): LiveWords {
   const { value: report } = graft.report;
   const toGo = pairsToGo(graft);
   if (toGo !== undefined) return { tone: "idle", text: pairsToGoWords(toGo), explained: "Each piece of the part needs a pair." };
-  if ((report?.ambiguous_starts ?? []).length > 0)
-    return { tone: "warning", text: "Rotation unclear", explained: "The loops fit equally well in several rotations." };
   if (report?.error !== undefined) {
     return { tone: "problem", text: "Cannot be grafted", explained: "The panel Graft says why." };
   }

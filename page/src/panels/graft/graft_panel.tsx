@@ -11,6 +11,7 @@ import { CutInWork, CutPanel } from "./graft_cut";
 import { PartsPanel } from "./graft_parts";
 import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { GraftReportView } from "./graft_report";
+import { Rotations } from "./rotations";
 import { Button, IconButton } from "../ui/button";
 import { degrees, Segments, Slider } from "../ui/fields";
 import { More, Section } from "../ui/section";
@@ -121,8 +122,7 @@ function Pairs({ page }: { page: Page }) {
       <ul class="list pairs-list" aria-label="Pairs of loops">
         {pairs.map((pair, i) => {
           const found = pair.start === undefined && pair.matches.length === 0;
-          const ambiguous = report?.ambiguous_starts?.find((one) => one.pair === i);
-          const confidence = ambiguous?.confidence ?? report?.pairs?.[i]?.confidence;
+          const confidence = report?.pairs?.[i]?.confidence;
           return (
             <li key={i} class={i === graft.activePair.value ? "active" : ""}>
               <button
@@ -137,21 +137,17 @@ function Pairs({ page }: { page: Page }) {
                 <span class="list-name">
                   {loopWords(pair.sourceLoop)} → {loopWords(pair.targetLoop)}
                   <small>
-                    {ambiguous !== undefined
-                      ? "rotation unclear"
-                      : found
-                        ? confidenceWords(confidence)
-                        : graft.chosenStarts.value.has(String(pair.start))
-                          ? "smallest rotation taken: unclear"
-                          : `set by hand${pair.matches.length > 0 ? `, ${counted(pair.matches.length, "more match", "more matches")}` : ""}`}
+                    {found
+                      ? confidenceWords(confidence)
+                      : `set by hand${pair.matches.length > 0 ? `, ${counted(pair.matches.length, "more match", "more matches")}` : ""}`}
                   </small>
                 </span>
                 {found && confidence !== undefined && (
                   <meter
                     min={0}
                     max={1}
-                    low={0.4}
-                    high={0.7}
+                    low={0.6}
+                    high={0.8}
                     optimum={1}
                     value={confidence}
                     aria-label={`Confidence of pair ${i + 1}`}
@@ -178,6 +174,7 @@ function Pairs({ page }: { page: Page }) {
                   onClick={() => void graft.setPairs(withoutPair(pairs, i))}
                 />
               )}
+              <Rotations page={page} index={i} pair={pair} />
             </li>
           );
         })}
@@ -192,7 +189,7 @@ function loopWords(loop: number): string {
 
 function confidenceWords(confidence: number | undefined): string {
   if (confidence === undefined) return "rotation found";
-  return confidence < 0.4 ? "rotation unclear" : confidence < 0.7 ? "rotation likely" : "rotation clear";
+  return confidence < 0.6 ? "rotation unclear" : confidence < 0.8 ? "rotation likely" : "rotation clear";
 }
 
 // The sliders show the document's values. A slider that is being dragged keeps its own value.

@@ -6,12 +6,12 @@ import { counted } from "../../app/units";
 import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
 
-/** Returns whether a start was found with low confidence (below 0.4). */
+/** Returns whether a rotation is a guess: below 60 % probable, with others to choose from. */
 function isUnsure({ editor: { graft } }: Page): boolean {
   const told = graft.report.value?.pairs ?? [];
   return graft.pairs.value.some(
     ({ start, matches }, i) =>
-      start === undefined && matches.length === 0 && (told[i]?.confidence ?? 1) < 0.4,
+      start === undefined && matches.length === 0 && (told[i]?.starts.length ?? 0) > 1 && told[i]!.confidence < 0.6,
   );
 }
 
@@ -41,25 +41,15 @@ export function GraftReportView({ page }: { page: Page }) {
       </div>
     );
   if (report.error !== undefined) {
-    const isOpen = (report.ambiguous_starts ?? []).length > 0; // a choice to make, and nothing wrong
     const { problem, location, remedy } = inPanelWords(report.error);
-    const { value: proposed } = graft.proposed;
     return (
-      <div class={`graft-state ${isOpen ? "" : "failed"}`} role={isOpen ? "status" : "alert"}>
+      <div class="graft-state failed" role="alert">
         <strong>
-          {!isOpen && <Icon name="warning" size={15} />} {sentence(problem)}
+          <Icon name="warning" size={15} /> {sentence(problem)}
         </strong>
         {location !== "" && <small>{location}</small>}
-        {proposed === undefined && remedy !== "" && <span>{remedy}</span>}
+        {remedy !== "" && <span>{remedy}</span>}
         <RemedyButton page={page} fact={report.error} />
-        {proposed !== undefined && (
-          <>
-            <span>
-              Drag a numbered marker, use Twist, or take the smallest rotation.
-            </span>
-            <Button label="Use smallest rotation" onClick={() => void graft.set({ pairs: proposed })} />
-          </>
-        )}
       </div>
     );
   }
@@ -85,7 +75,7 @@ export function GraftReportView({ page }: { page: Page }) {
         </small>
       )}
       {unsure && (
-        <span class="unsure">Rotation unclear: the loops are nearly round. Adjust it with Twist.</span>
+        <span class="unsure">Rotation unclear. If it is wrong, choose another one below, or use Twist.</span>
       )}
       {inverted > 0 && <span class="bad">The part turns inside out at {counted(inverted, "vertex", "vertices")}.</span>}
       {cuts > 0 && <span class="bad">{counted(cuts, "self-intersecting pair")} of faces.</span>}
