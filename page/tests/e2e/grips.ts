@@ -12,7 +12,7 @@ export async function openFresh(harness: EditorHarness, sample: string, resoluti
     await editor.ask({ do: "discard" });
     editor.offer.value = null;
   });
-  await harness.user.settle();
+  await harness.user.rests();
 }
 
 /** Returns the rest positions of a built-in model. */

@@ -212,7 +212,10 @@ export class User {
     await browser.detach();
   }
 
-  /** Returns the screen point of a vertex of the model as shown. */
+  /**
+   * Returns the screen point of a vertex of the model as shown. The camera and the canvas follow a change with the next
+   * picture, so the view must be at rest.
+   */
   screenOf(vertex: number): Promise<Point> {
     return this.page.evaluate((v) => {
       const { viewport } = window.meshgraft;
@@ -336,7 +339,7 @@ export class EditorHarness {
     return new EditorHarness(folder, context, engine, user);
   }
 
-  /** Opens a built-in model by a request, without the start screen. */
+  /** Opens a built-in model by a request, without the start screen, and waits until it is drawn. */
   async openSample(sample: string, resolution?: number): Promise<void> {
     await this.user.page.evaluate(
       async ([sample, resolution]) => {
@@ -348,8 +351,7 @@ export class EditorHarness {
       },
       [sample, resolution] as const,
     );
-    await this.user.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
-    await this.user.settle();
+    await this.user.opened();
   }
 
   /** Opens another tab of the same engine. */
