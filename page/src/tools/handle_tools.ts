@@ -67,6 +67,7 @@ export class PaintTool implements Tool {
     };
     paint(pointer);
     return {
+      followsPath: true,
       move: paint,
       end: () => {
         this.ring.hide();

@@ -91,6 +91,7 @@ export class BrushTool implements Tool {
     };
     paint(pointer);
     return {
+      followsPath: true,
       move: paint,
       end: () => void editor.ask({ do: "select", mesh: editor.graft.nameOf(surface.id), how, what: { indices: [...stroke.vertices] } }),
       cancel: () => surface.setSelection(selectedIn(before)),
@@ -130,6 +131,7 @@ export class OutlineTool implements Tool {
       show(this.outline, true);
     };
     return {
+      followsPath: !this.isBox,
       move: draw,
       end: () => {
         show(this.outline, false);

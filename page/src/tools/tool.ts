@@ -23,6 +23,8 @@ export interface Stroke {
   cancel(): void;
   /** Whether the stroke acts only at its end, so that a second finger makes it a pinch. */
   readonly isClick?: boolean;
+  /** Whether `move` gets every position of the pointer, and not only the last one before each picture. */
+  readonly followsPath?: boolean;
 }
 
 /** Makes a stroke that acts where it ends, however the pointer moved. */

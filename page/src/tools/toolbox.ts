@@ -42,7 +42,7 @@ export class ToolBox implements ToolActions {
   private stroke: Stroke | undefined;
   private draggingPointer: number | undefined; // id of the dragging pointer
   private pointer: Pointer = { screenPoint: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
-  private waiting: PointerEvent | undefined; // the last move, until the next frame
+  private waiting: PointerEvent[] = []; // moves until the next frame: all of a path, or else the last one
 
   constructor(
     private readonly editor: Editor,
@@ -221,7 +221,7 @@ export class ToolBox implements ToolActions {
     const stroke = this.strokeFor(event);
     if (stroke === undefined) return;
     event.preventDefault(); // the navigation ignores the event
-    this.waiting = undefined; // perhaps of another pointer
+    this.waiting = []; // perhaps of another pointer
     leaveFocus();
     this.stroke = stroke;
     this.draggingPointer = event.pointerId;
@@ -254,18 +254,20 @@ export class ToolBox implements ToolActions {
 
   private follow(event: PointerEvent): void {
     if (this.isOfOther(event)) return;
-    const isFirst = this.waiting === undefined;
-    this.waiting = event;
+    const isFirst = this.waiting.length === 0;
+    if (this.stroke?.followsPath === true) this.waiting.push(...positionsIn(event));
+    else this.waiting = [event];
     if (isFirst) requestAnimationFrame(() => this.followNow());
   }
 
   private followNow(): void {
-    const event = this.waiting;
-    this.waiting = undefined;
+    const events = this.waiting;
+    this.waiting = [];
+    const event = events.at(-1);
     if (event === undefined) return;
     this.pointer = pointerOf(event);
     if (this.gizmo.isModal) this.gizmo.follow(this.pointer.screenPoint, this.pointer.ctrl);
-    else if (this.stroke !== undefined) this.stroke.move(this.pointer);
+    else if (this.stroke !== undefined) for (const each of events) this.stroke?.move(pointerOf(each));
     else if (event.buttons === 0) this.hover();
   }
 
@@ -332,6 +334,12 @@ function leaveFocus(): void {
 /** Keeps a pinch from scaling the page, which the browser would do beside the view. */
 function keepPageScale(event: WheelEvent): void {
   if (event.ctrlKey) event.preventDefault();
+}
+
+/** Returns the events that the browser has joined into one since its last picture, which insecure pages do not get. */
+function positionsIn(event: PointerEvent): PointerEvent[] {
+  const joined = event.getCoalescedEvents?.() ?? [];
+  return joined.length > 0 ? joined : [event];
 }
 
 function pointerOf(event: MouseEvent): Pointer {

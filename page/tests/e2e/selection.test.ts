@@ -23,6 +23,24 @@ async function selectedAfter(user: User, act: () => Promise<void>): Promise<numb
   return selected;
 }
 
+/** Keeps the page from making pictures, until `releaseFrames`. */
+function holdFrames(user: User): Promise<void> {
+  return user.page.evaluate(() => {
+    const held: FrameRequestCallback[] = [];
+    const request = window.requestAnimationFrame;
+    window.requestAnimationFrame = (call) => held.push(call);
+    Object.assign(window, {
+      releaseFrames: () => {
+        window.requestAnimationFrame = request;
+        for (const call of held) window.requestAnimationFrame(call);
+      },
+    });
+  });
+}
+function releaseFrames(user: User): Promise<void> {
+  return user.page.evaluate(() => (window as unknown as { releaseFrames: () => void }).releaseFrames());
+}
+
 test("a brush adds, takes away, and grows by its keys", async () => {
   const { user } = harness;
   await user.press("b");
@@ -52,6 +70,12 @@ test("a lasso and a box take what is seen, or what lies behind, too", async () =
   await user.press("l");
   const seen = await selectedAfter(user, () => user.stroke([...around, around[0] as Point]));
   expect(seen.length).toBeGreaterThan(100);
+  await user.press("Shift+A");
+
+  await holdFrames(user); // as on a machine that draws slowly: the outline has the same shape
+  const late = await selectedAfter(user, () => user.stroke([...around, around[0] as Point]));
+  await releaseFrames(user);
+  expect(late).toEqual(seen);
   await user.press("Shift+A");
   await user.press("t");
   await user.press("m");

@@ -61,6 +61,7 @@ export class CutCurveTool implements Tool {
     };
     add(pointer);
     return {
+      followsPath: true,
       move: add,
       end: ({ screenPoint }) => {
         if (vertices.length > 4 && this.isAtFirst(screenPoint)) this.close();
