@@ -47,6 +47,8 @@ export class Navigation {
     pitch: MathUtils.degToRad(20),
   };
   private transition: { from: Viewpoint; to: Viewpoint; start: number; ms: number } | undefined;
+  /** What the last `fit` framed, as long as no other movement followed. */
+  private framed: { positions: Float32Array; margin: number } | undefined;
   private readonly pointers = new Map<number, { x: number; y: number }>();
   private drag: "orbit" | "pan" | undefined;
   private host: HTMLElement | undefined;
@@ -87,8 +89,13 @@ export class Navigation {
     });
   }
 
-  /** Updates the cameras before each picture. */
+  /** Updates the cameras before each picture. What was framed stays framed if the picture's proportions change. */
   update(aspect: number): void {
+    const { framed } = this;
+    if (framed !== undefined && aspect !== this.perspective.aspect) {
+      this.perspective.aspect = aspect;
+      this.fit(framed.positions, framed.margin, false);
+    }
     if (this.transition !== undefined) this.animate(performance.now());
     const { viewpoint } = this;
     const position = this.directionToCamera(viewpoint).multiplyScalar(viewpoint.distance).add(viewpoint.target);
@@ -138,6 +145,7 @@ export class Navigation {
       distance = Math.max(distance, half / slope + (this.orthographic ? 0 : seen.z + margin));
     }
     this.moveTo({ ...goal, target: middle.applyQuaternion(turn), distance: Math.max(distance, 1e-30) }, animated);
+    this.framed = { positions, margin };
   }
 
   /** Looks along a world direction. `up` fixes the orientation if the direction is vertical. */
@@ -158,7 +166,7 @@ export class Navigation {
 
   /** Turns by angles, as a drag does. */
   orbit(yaw: number, pitch: number): void {
-    this.transition = undefined;
+    this.transition = this.framed = undefined;
     this.viewpoint.yaw += yaw;
     this.viewpoint.pitch = MathUtils.clamp(this.viewpoint.pitch + pitch, -Math.PI / 2, Math.PI / 2);
     this.noteMovement();
@@ -166,7 +174,7 @@ export class Navigation {
 
   /** Moves the scene by pixels of the page. */
   pan(dx: number, dy: number): void {
-    this.transition = undefined;
+    this.transition = this.framed = undefined;
     const perPixel = this.viewHeight / Math.max(1, this.host?.clientHeight ?? 1);
     const turn = this.orientation(this.viewpoint);
     const shift = new Vector3(-dx * perPixel, dy * perPixel, 0).applyQuaternion(turn);
@@ -176,7 +184,7 @@ export class Navigation {
 
   /** Zooms towards a point (factor < 1: nearer), which stays where it is on the screen. */
   zoom(factor: number, point: Vector3): void {
-    this.transition = undefined;
+    this.transition = this.framed = undefined;
     const { viewpoint } = this;
     const size = this.view.bounds().radius;
     const next = MathUtils.clamp(viewpoint.distance * factor, size * 1e-4, size * 60);
@@ -217,6 +225,7 @@ export class Navigation {
   }
 
   private moveTo(to: Viewpoint, animated: boolean): void {
+    this.framed = undefined;
     const still = globalThis.matchMedia?.("(prefers-reduced-motion: reduce)").matches ?? false;
     const { target, ...rest } = this.viewpoint;
     this.transition = {

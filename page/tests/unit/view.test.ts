@@ -389,6 +389,28 @@ describe("navigation", () => {
       expect(most).toBeGreaterThan(0.7);
     }
   });
+
+  it("keeps what it framed in a picture of other proportions, until the camera is moved", () => {
+    const { positions } = sheet(20);
+    const reach = (one: Navigation, aspect: number) => {
+      one.update(aspect);
+      const corners = Array.from({ length: positions.length / 3 }, (_, v) => new Vector3().fromArray(positions, 3 * v));
+      return Math.max(...corners.map((p) => Math.abs(p.project(one.camera).x)));
+    };
+    const one = navigation();
+    one.fit(positions, 0, false);
+    expect(reach(one, 0.4)).toBeLessThan(1);
+    const distance = one.distance;
+    one.pan(1, 0);
+    one.update(1.5);
+    expect(one.distance).toBe(distance);
+    one.fit(positions, 0, false);
+    expect(one.distance).toBeLessThan(distance);
+    one.lookAlong(new Vector3(0, 1, 0), undefined, false);
+    const looked = one.distance;
+    one.update(0.4);
+    expect(one.distance).toBe(looked);
+  });
 });
 
 /** An element with what the navigation uses of a canvas. */
