@@ -1,11 +1,14 @@
 // Finds the gizmo's parts on the page, and reads the document and the model.
 import { expect } from "vitest";
 import type { Pose } from "../../src/protocol";
-import { positionsOf, run, type EditorHarness, type Point, type User } from "./harness";
+import { positionsOf, putSample, type EditorHarness, type Point, type User } from "./harness";
 
-/** Opens a built-in model, and discards what an earlier test left on it. */
+/**
+ * Opens the file of a built-in model, and discards what an earlier test left on it. The file is quicker than the model
+ * itself, which the engine would compute each time.
+ */
 export async function openFresh(harness: EditorHarness, sample: string, resolution?: number): Promise<void> {
-  await harness.openSample(sample, resolution);
+  await harness.openFile(fileOf(harness, sample, resolution));
   await harness.user.page.evaluate(async () => {
     const { editor } = window.meshgraft;
     if (editor.offer.value === null) return;
@@ -17,9 +20,14 @@ export async function openFresh(harness: EditorHarness, sample: string, resoluti
 
 /** Returns the rest positions of a built-in model. */
 export function sampled(harness: EditorHarness, name: string, resolution?: number): Float64Array {
+  return positionsOf(fileOf(harness, name, resolution));
+}
+
+/** Returns the file of a built-in model. */
+function fileOf(harness: EditorHarness, name: string, resolution?: number): string {
   const file = harness.folder.file(`${name}.obj`);
-  run("sample", name, ...(resolution === undefined ? [] : ["--resolution", String(resolution)]), "-o", file);
-  return positionsOf(file);
+  putSample([name, ...(resolution === undefined ? [] : ["--resolution", String(resolution)])], file);
+  return file;
 }
 
 /** Returns a screen point where a part of the gizmo can be dragged: "knob", "ring-z", "arrow-x" … */

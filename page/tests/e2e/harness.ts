@@ -6,7 +6,7 @@ import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
 import { chromium, type Browser, type BrowserContext, type Page } from "playwright-core";
-import type { Editor } from "../../src/app/editor";
+import type { Editor, OpenRequest } from "../../src/app/editor";
 import type { GraftView } from "../../src/view/graft/graft_view";
 import type { Viewport } from "../../src/view/viewport";
 
@@ -61,7 +61,7 @@ process.once("exit", () => {
 });
 
 /** Puts the file of a sample there; makes it only once, because large samples take seconds. */
-function putSample(words: readonly string[], file: string): void {
+export function putSample(words: readonly string[], file: string): void {
   const name = basename(file);
   const key = [...words, name].join(" ");
   let made = madeSamples.get(key);
@@ -76,9 +76,10 @@ function putSample(words: readonly string[], file: string): void {
 // One browser for all tests of a process, because it takes a second to start; each has a context of its own.
 let browser: Promise<Browser> | undefined;
 
-function sharedBrowser(): Promise<Browser> {
-  browser ??= chromium.launch({ executablePath: browserPath, args: browserArguments });
-  return browser;
+async function sharedBrowser(): Promise<Browser> {
+  if ((await browser)?.isConnected() !== true)
+    browser = chromium.launch({ executablePath: browserPath, args: browserArguments });
+  return browser as Promise<Browser>;
 }
 
 /** Closes the browser of this process, which ends with it otherwise. */
@@ -340,17 +341,17 @@ export class EditorHarness {
   }
 
   /** Opens a built-in model by a request, without the start screen, and waits until it is drawn. */
-  async openSample(sample: string, resolution?: number): Promise<void> {
-    await this.user.page.evaluate(
-      async ([sample, resolution]) => {
-        await window.meshgraft.editor.ask({
-          do: "open",
-          sample,
-          ...(resolution === undefined ? {} : { resolution }),
-        });
-      },
-      [sample, resolution] as const,
-    );
+  openSample(sample: string, resolution?: number): Promise<void> {
+    return this.openBy(resolution === undefined ? { do: "open", sample } : { do: "open", sample, resolution });
+  }
+
+  /** Opens a file by a request, and waits until it is drawn. */
+  openFile(path: string): Promise<void> {
+    return this.openBy({ do: "open", path });
+  }
+
+  private async openBy(request: OpenRequest): Promise<void> {
+    await this.user.page.evaluate(async (request) => void (await window.meshgraft.editor.ask(request)), request);
     await this.user.opened();
   }
 

@@ -276,7 +276,7 @@ test("the heat map's legend is the open model's, and no message covers it", asyn
     };
     Object.assign(window, { seen });
   });
-  await harness.openSample("octopus", 20);
+  await harness.openSample("torus", 20);
   await legend.getByText(/^Detail/).waitFor();
   const fits = await page.evaluate(() => (window as unknown as { seen: boolean[] }).seen);
   expect(fits.length).toBeGreaterThan(0);

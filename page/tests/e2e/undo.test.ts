@@ -1,6 +1,6 @@
 import { afterEach, expect, test } from "vitest";
 import { aimAt, exported, farthest, gripOf, openFresh, poseOf, sampled, verticesOf } from "./grips";
-import { EditorHarness, hashOf, positionsOf, run, type User } from "./harness";
+import { EditorHarness, hashOf, type HarnessOptions, type User } from "./harness";
 
 let harness: EditorHarness | undefined;
 afterEach(async () => {
@@ -35,23 +35,18 @@ function strayed(user: User): Promise<number> {
   });
 }
 
-async function openWith(files: Readonly<Record<string, readonly [string, string]>>, first: RegExp) {
-  harness = await EditorHarness.open();
-  for (const [file, [sample, resolution]] of Object.entries(files))
-    run("sample", sample, "--resolution", resolution, "-o", harness.folder.file(file));
-  await harness.user.page.reload();
+async function openWith(files: HarnessOptions["files"] & {}, first: RegExp) {
+  harness = await EditorHarness.open({ files });
   await harness.user.page.getByRole("button", { name: first }).first().click();
-  await harness.user.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
-  await harness.user.settle();
+  await harness.user.opened();
   return { harness, user: harness.user };
 }
 
 test("a selection, handles, moves and an accepted step are all taken back, to the byte", async () => {
-  const { harness, user } = await openWith({ "octopus.ply": ["octopus", "60"] }, /octopus\.ply/);
+  const { harness, user } = await openWith({ "octopus.ply": ["octopus", "--resolution", "60"] }, /octopus\.ply/);
   const opened = hashOf(harness.folder.file("octopus.ply"));
   expect(hashOf(await exported(harness, "untouched"))).toBe(opened);
-  run("sample", "octopus", "--resolution", "60", "-o", harness.folder.file("octopus.obj"));
-  const rest = positionsOf(harness.folder.file("octopus.obj"));
+  const rest = sampled(harness, "octopus", 60);
 
   const top = await aimAt(user, farthest(rest, [0, -0.2, 1]));
   await user.press("b");
@@ -172,7 +167,7 @@ for (const method of ["corotational", "ft05"])
 
 test("a cut and a graft are taken back, to the byte", async () => {
   const { harness, user } = await openWith(
-    { "bust.ply": ["bust", "40"], "head.ply": ["head", "40"] },
+    { "bust.ply": ["bust", "--resolution", "40"], "head.ply": ["head", "--resolution", "40"] },
     /bust\.ply/,
   );
   const { page } = user;
