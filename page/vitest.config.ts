@@ -7,6 +7,10 @@ export default defineConfig({
     testTimeout: 120_000,
     hookTimeout: 60_000,
     fileParallelism: false,
+    // One process for all files of a run, which start the browser once.
+    pool: "forks",
+    poolOptions: { forks: { singleFork: true } },
+    isolate: false,
     reporters: ["verbose"],
   },
 });
