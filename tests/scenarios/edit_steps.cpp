@@ -21,12 +21,22 @@ bool has_step(const EditFile& edit, StepKind kind) {
                      [&](const EditStep& step) { return is_of_kind(step, kind); });
 }
 
+using EditFiles = std::map<std::filesystem::path, EditFile>;
+
+/// Returns the edit files of a folder. Reads them once, because every instantiation of a test asks for them.
+const EditFiles& edit_files_in(const std::filesystem::path& folder) {
+  static std::map<std::filesystem::path, EditFiles> known;
+  const auto [at, is_new] = known.try_emplace(folder);
+  if (!is_new || !std::filesystem::is_directory(folder)) return at->second;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().extension() == ".json") at->second.emplace(entry.path(), read_edit_file(entry.path()));
+  return at->second;
+}
+
 std::vector<Scenario> scenarios_in(const std::filesystem::path& folder, StepKind kind) {
   std::vector<Scenario> found;
-  if (!std::filesystem::is_directory(folder)) return found;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (entry.path().extension() == ".json" && has_step(read_edit_file(entry.path()), kind))
-      found.push_back({entry.path().stem().string(), entry.path()});
+  for (const auto& [path, edit] : edit_files_in(folder))
+    if (has_step(edit, kind)) found.push_back({path.stem().string(), path});
   std::sort(found.begin(), found.end(), [](const Scenario& a, const Scenario& b) { return a.name < b.name; });
   return found;
 }
