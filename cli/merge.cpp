@@ -44,7 +44,8 @@ struct MergeArguments {
   std::optional<MergePose> pose;
   std::string fix, reach, mirror, at, upright;
   std::vector<std::string> features;
-  std::optional<double> size, spin_deg;
+  std::optional<double> size, spin_deg, base_height;
+  std::string base_tilt;
   std::optional<Index> source_loop;
   double normal_angle_deg = 0;
   bool fix_winding = false, smooth_boundary = false;
@@ -96,11 +97,29 @@ VertexSpec vertex_from(const std::string& text, const std::string& option) {
   throw Error(facts::cli::NotAVertex{.text = text}, Location::place(option));
 }
 
-// Returns the vertex or point to drop the source on, and the source loop to use.
-DropSpec drop_from(const std::string& text, double spin_deg, std::optional<Index> source_loop) {
-  std::optional<EditSelection> loop;
-  if (source_loop) loop = EditSelection{Selection::Loop{*source_loop}};
-  return {vertex_from(text, "--at"), spin_deg, loop};
+// Parses a tilt of the base: degrees, and after a comma the axis x, y or z.
+void read_tilt(const std::string& text, DropBase& base) {
+  const std::size_t comma = text.find(',');
+  const auto fail = [&] { throw Error(facts::cli::NotATilt{.text = text}, "--base-tilt"); };
+  const auto tilt = numbers<double>(text.substr(0, comma), "--base-tilt");
+  if (tilt.size() != 1) fail();
+  base.tilt_deg = tilt.front();
+  if (comma == std::string::npos) return;
+  const std::string axis = text.substr(comma + 1);
+  const std::size_t number = std::string_view("xyz").find(axis);
+  if (axis.size() != 1 || number == std::string_view::npos) fail();
+  base.tilt_axis = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(number));
+}
+
+// Returns the vertex or point to drop the source on, and the source loop or the base to use.
+DropSpec drop_from(const MergeArguments& arguments) {
+  DropSpec drop{vertex_from(arguments.at, "--at"), arguments.spin_deg.value_or(0)};
+  if (arguments.source_loop) drop.source_loop = EditSelection{Selection::Loop{*arguments.source_loop}};
+  if (!arguments.base_height && arguments.base_tilt.empty()) return drop;
+  DropBase& base = drop.base.emplace();
+  base.height = arguments.base_height;
+  if (!arguments.base_tilt.empty()) read_tilt(arguments.base_tilt, base);
+  return drop;
 }
 
 std::vector<MatchSpec> matches_from(const std::vector<std::string>& texts, const std::string& option) {
@@ -146,8 +165,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
     step.features.push_back({selection_from(text, source_loops(step), "--feature")});
   if (!arguments.reach.empty()) step.reach = reach_from(arguments.reach);
   if (!arguments.mirror.empty()) step.mirror = parse_plane(arguments.mirror, "--mirror");
-  if (!arguments.at.empty())
-    step.at = drop_from(arguments.at, arguments.spin_deg.value_or(0), arguments.source_loop);
+  if (!arguments.at.empty()) step.at = drop_from(arguments);
   step.size = arguments.size;
   step.normal_angle_deg = arguments.normal_angle_deg;
   step.fix_winding = arguments.fix_winding;
@@ -191,6 +209,10 @@ void require_sense(const MergeArguments& arguments) {
   const bool at = !arguments.at.empty();
   if (arguments.spin_deg && !at) throw Error(facts::cli::OptionNeeds{.option = "--spin", .other = "--at"});
   if (arguments.source_loop && !at) throw Error(facts::cli::SourceLoopWithoutAt{});
+  if (arguments.base_height && !at)
+    throw Error(facts::cli::OptionNeeds{.option = "--base-height", .other = "--at"});
+  if (!arguments.base_tilt.empty() && !at)
+    throw Error(facts::cli::OptionNeeds{.option = "--base-tilt", .other = "--at"});
   MergeRequest request{.pose = arguments.pose.value_or(MergePose::find),
                        .dropped = at,
                        .pairs_given = !arguments.pairs.empty(),
@@ -231,6 +253,11 @@ std::string option_behind(const MergeArguments& arguments, std::span<const Locat
   if (word == "align") return repeated("--align", arguments.align, number);
   if (word == "at" && parts.size() > 1 && parts[1].name == "source_loop")
     return arguments.source_loop ? "--source-loop" : "--at";
+  if (word == "at" && parts.size() > 1 && parts[1].name == "base") {
+    const std::string field = parts.size() > 2 ? parts[2].name : "";
+    if (!arguments.base_tilt.empty() && field != "height") return "--base-tilt";
+    return arguments.base_height ? "--base-height" : "--at";
+  }
   for (const auto& [name, option] : {std::pair{"at", "--at"},
                                      {"size", "--size"},
                                      {"reach", "--reach"},
@@ -391,6 +418,20 @@ void add_source_options(CLI::App& command, MergeArguments& arguments) {
           ->check(whole_number_from(0, std::numeric_limits<Index>::max())));
 }
 
+void add_base_options(CLI::App& command, MergeArguments& arguments) {
+  arguments.plain_options.push_back(
+      command
+          .add_option("--base-height", arguments.base_height,
+                      "With --at and a closed source: where to cut it open, above its lowest point")
+          ->type_name("LENGTH")
+          ->check(positive_number()));
+  arguments.plain_options.push_back(
+      command
+          .add_option("--base-tilt", arguments.base_tilt,
+                      "With --at and a closed source: turn of the plane that cuts it open, about x, y or z")
+          ->type_name("DEG[,AXIS]"));
+}
+
 void add_seam_options(CLI::App& command, MergeArguments& arguments) {
   const auto plain = [&](CLI::Option* option) {
     arguments.plain_options.push_back(option);
@@ -439,6 +480,7 @@ void add_merge(CLI::App& program, Action& action) {
       ->type_name("FILE");
   add_loop_options(*command, *arguments);
   add_source_options(*command, *arguments);
+  add_base_options(*command, *arguments);
   add_seam_options(*command, *arguments);
   add_common_options(*command, *arguments);
   command->footer(

@@ -1,10 +1,10 @@
 #include <meshgraft/merge/merge.h>
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/quality.h>
@@ -12,6 +12,8 @@
 #include "drop_size.h"
 #include "merge/facts.h"
 #include "merge_conflict.h"
+#include "open_base.h"
+#include "open_holes.h"
 
 namespace meshgraft {
 
@@ -21,20 +23,22 @@ std::int64_t count_pairs(const Mesh& mesh, std::span<const Index> vertices, cons
   return count_self_intersections(mesh.positions, triangulate(mesh).triangles, vertices, context);
 }
 
+constexpr int most_size_tries = 3;
+
 /// One attempt at one size.
 struct Trial {
-  OpenedHole hole;
+  OpenedHoles hole;
   DropResult drop;
 
   Index inverted() const { return drop.merge.report.shape.inverted; }
 };
 
-Trial graft_in_hole(OpenedHole hole, const Mesh& source, const MergeOptions& asked, const Context& context) {
+Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& asked, const Context& context) {
   Trial trial{std::move(hole), {}};
   DropResult& drop = trial.drop;
   drop.options = asked;
   drop.options.size = trial.hole.size;
-  const std::array pairs{trial.hole.pair};
+  const std::vector<MergePair>& pairs = trial.hole.pairs;
   drop.merge = merge_meshes(trial.hole.target, source, pairs, drop.options, context);
   if (asked.normal_angle_deg == 0)
     for (const double angle_deg : {-45.0, -90.0}) {
@@ -53,34 +57,13 @@ Trial graft_in_hole(OpenedHole hole, const Mesh& source, const MergeOptions& ask
   return trial;
 }
 
-}  // namespace
-
-MergeIntersections count_intersections(const Mesh& source, const MergeResult& merged, const Context& context) {
-  context.step("measure");
-  std::vector<Index> moved;
-  for (const Index v : merged.source.new_index)
-    if (v >= 0) moved.push_back(v);
-  for (const Index face : merged.new_faces)
-    moved.insert(moved.end(), merged.mesh.faces[face].begin(), merged.mesh.faces[face].end());
-  std::sort(moved.begin(), moved.end());
-  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
-  MergeIntersections found;
-  found.result = count_pairs(merged.mesh, moved, context);
-  if (found.result == 0) return found;
-  std::vector<Index> all(source.vertex_count());
-  std::iota(all.begin(), all.end(), Index{0});
-  found.source = count_pairs(source, all, context);
-  return found;
-}
-
-DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options,
-                       const Context& context) {
-  constexpr int most_tries = 3;
-  if (find_conflict({.pose = options.pose, .dropped = true}))
-    throw Error(facts::merge::DroppedPoseKept{}, "pose");
+/// Drops a source that stands on the given loops. Tries up to `most_tries` smaller sizes where none is given.
+DropResult drop_open_source(const Mesh& target, const Mesh& source,
+                            const std::vector<std::vector<Index>>& loops, const Drop& drop,
+                            const MergeOptions& options, int most_tries, const Context& context) {
   Drop trying = drop;
   const auto trial_of_size = [&] {
-    return graft_in_hole(open_hole(target, source, trying, context), source, options, context);
+    return graft_in_hole(open_holes(target, source, loops, trying, context), source, options, context);
   };
   Trial best = trial_of_size();
   trying.size = best.hole.size;
@@ -109,6 +92,148 @@ DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop,
     if (v >= 0) v = map.new_index[v];
   map = std::move(from_closed);
   return std::move(best.drop);
+}
+
+/// Names the vertices of a result of the opened source as the closed source does.
+void refer_to_closed(DropResult& dropped, const OpenedSource& opened, const Mesh& closed) {
+  MergeResult& merge = dropped.merge;
+  const Similarity& rest = merge.report.shape.similarity;
+  Points grafted =
+      (rest.scale * closed.positions * rest.rotation.transpose()).rowwise() + rest.translation.transpose();
+  IndexMap map = opened.vertex;
+  for (Index v = 0; v < closed.vertex_count(); ++v) {
+    Index& now = map.new_index[v];
+    if (now < 0) continue;
+    grafted.row(v) = merge.grafted.row(now);
+    now = merge.source.new_index[now];
+  }
+  merge.source = std::move(map);
+  merge.grafted = std::move(grafted);
+  for (PairReport& pair : merge.report.pairs) {
+    pair.start.source = opened.nearest[pair.start.source];
+    for (Index& v : pair.met) v = opened.nearest[v];
+  }
+}
+
+/// Returns the features of a closed source on the opened one, without what was cut away.
+std::vector<MergeFeature> features_on(const OpenedSource& opened, const std::vector<MergeFeature>& features) {
+  std::vector<MergeFeature> kept;
+  for (const MergeFeature& feature : features) {
+    MergeFeature& left = kept.emplace_back(std::vector<Index>{}, feature.similarity);
+    for (const Index v : feature.vertices)
+      if (v >= 0 && static_cast<std::size_t>(v) < opened.vertex.new_index.size() &&
+          opened.vertex.new_index[v] >= 0)
+        left.vertices.push_back(opened.vertex.new_index[v]);
+    if (left.vertices.empty()) kept.pop_back();
+  }
+  return kept;
+}
+
+Note note_of(const BaseReport& base) {
+  return facts::merge::BaseCut{.loops = base.loops,
+                               .height = base.height,
+                               .x = base.point.x(),
+                               .y = base.point.y(),
+                               .z = base.point.z(),
+                               .normal_x = base.normal.x(),
+                               .normal_y = base.normal.y(),
+                               .normal_z = base.normal.z()};
+}
+
+DropResult drop_opened(const Mesh& target, const Mesh& source, const OpenedSource& opened, const Drop& drop,
+                       const MergeOptions& options, int most_tries, const Context& context) {
+  MergeOptions of_opened = options;
+  of_opened.features = features_on(opened, options.features);
+  DropResult dropped =
+      drop_open_source(target, opened.mesh, opened.loops, drop, of_opened, most_tries, context);
+  refer_to_closed(dropped, opened, source);
+  dropped.options.features = options.features;
+  dropped.base = opened.report;
+  dropped.notes.insert(dropped.notes.begin(), note_of(opened.report));
+  constexpr double much = 0.3;  // chosen, × all vertices
+  if (const double share = static_cast<double>(opened.report.cut_away) / source.vertex_count(); share > much)
+    dropped.notes.push_back(facts::merge::BaseTakesMuch{.percent = 100 * share});
+  return dropped;
+}
+
+/// Drops of a closed source by several planes, of which the best one is kept.
+struct BestDrop {
+  std::optional<DropResult> result;
+  std::size_t plane = 0;
+  std::optional<Error> refusal;  ///< the first one
+
+  static std::int64_t new_pairs(const DropResult& dropped) {
+    return std::max<std::int64_t>(0, dropped.intersections.result - dropped.intersections.source);
+  }
+  bool is_good() const { return result && new_pairs(*result) == 0; }
+  /// Returns whether the undeformed source reaches into the target, whatever opens it.
+  bool reaches_in() const {
+    return result && std::any_of(result->notes.begin(), result->notes.end(), [](const Note& note) {
+             return note.id() == facts::merge::SourceReachesIn::id;
+           });
+  }
+  void take(DropResult dropped, std::size_t index) {
+    if (result && new_pairs(dropped) >= new_pairs(*result)) return;
+    result = std::move(dropped);
+    plane = index;
+  }
+};
+
+/// Opens a closed source at its base and drops it. Further planes are tried as long as the drop is refused or
+/// the result intersects itself; then smaller sizes by the best plane.
+DropResult drop_closed_source(const Mesh& target, const Mesh& source, const Drop& drop,
+                              const MergeOptions& options, const Context& context) {
+  context.step("open");
+  const BaseSearch search(source, drop.base);
+  const std::vector<BasePlane>& planes = search.planes();
+  BestDrop best;
+  const auto try_plane = [&](std::size_t plane, int most_tries) {
+    try {
+      const OpenedSource opened = search.open(planes[plane], context);
+      const int tries = most_tries == 0 || opened.loops.size() == 1 ? most_tries : 2 * most_tries;
+      best.take(drop_opened(target, source, opened, drop, options, tries, context), plane);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      if (!best.refusal) best.refusal = error;
+    }
+  };
+  for (std::size_t plane = 0; plane < planes.size() && !best.is_good() && !best.reaches_in(); ++plane)
+    try_plane(plane, 0);
+  if (!best.is_good() && !best.reaches_in()) try_plane(best.plane, most_size_tries);
+  if (!best.result) throw Error(*best.refusal);
+  DropResult& found = *best.result;
+  if (found.base->loops < planes.front().loops)
+    found.notes.push_back(facts::merge::FewerFeetUsed{.feet = planes.front().loops, .used = found.base->loops});
+  return std::move(found);
+}
+
+}  // namespace
+
+MergeIntersections count_intersections(const Mesh& source, const MergeResult& merged, const Context& context) {
+  context.step("measure");
+  std::vector<Index> moved;
+  for (const Index v : merged.source.new_index)
+    if (v >= 0) moved.push_back(v);
+  for (const Index face : merged.new_faces)
+    moved.insert(moved.end(), merged.mesh.faces[face].begin(), merged.mesh.faces[face].end());
+  std::sort(moved.begin(), moved.end());
+  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+  MergeIntersections found;
+  found.result = count_pairs(merged.mesh, moved, context);
+  if (found.result == 0) return found;
+  std::vector<Index> all(source.vertex_count());
+  std::iota(all.begin(), all.end(), Index{0});
+  found.source = count_pairs(source, all, context);
+  return found;
+}
+
+DropResult drop_source(const Mesh& target, const Mesh& source, const Drop& drop, const MergeOptions& options,
+                       const Context& context) {
+  if (find_conflict({.pose = options.pose, .dropped = true}))
+    throw Error(facts::merge::DroppedPoseKept{}, "pose");
+  if (drop.source_loop.empty()) return drop_closed_source(target, source, drop, options, context);
+  if (!drop.base.is_automatic()) throw Error(facts::merge::BaseWithSourceLoop{}, "base");
+  return drop_open_source(target, source, {drop.source_loop}, drop, options, most_size_tries, context);
 }
 
 }  // namespace meshgraft

@@ -73,7 +73,52 @@ FlatLoop flatten(const Mesh& source, std::vector<Index> loop) {
   return {std::move(loop), axis, first, middle, Outline(std::move(polygon)), !simple};
 }
 
+/// Returns the convex hull of points of the plane, counter-clockwise (Andrew 1979).
+PlanePoints convex_hull(std::vector<Eigen::RowVector2d> points) {
+  std::sort(points.begin(), points.end(),
+            [](const auto& a, const auto& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
+  std::vector<Eigen::RowVector2d> hull;
+  const auto add_chain = [&](auto first, auto last) {
+    const std::size_t start = hull.size();
+    for (auto point = first; point != last; ++point) {
+      while (hull.size() >= start + 2 && cross(hull.back() - hull[hull.size() - 2], *point - hull.back()) <= 0)
+        hull.pop_back();
+      hull.push_back(*point);
+    }
+    hull.pop_back();  // the other chain begins with it
+  };
+  add_chain(points.begin(), points.end());
+  add_chain(points.rbegin(), points.rend());
+  PlanePoints polygon(static_cast<Eigen::Index>(hull.size()), 2);
+  for (std::size_t k = 0; k < hull.size(); ++k) polygon.row(static_cast<Eigen::Index>(k)) = hull[k];
+  return polygon;
+}
+
 }  // namespace
+
+FlatLoop hull_of_loops(const Points& source, const std::vector<FlatLoop>& loops) {
+  const Vector axis = loops.front().axis, first = loops.front().first_axis;
+  Eigen::Matrix<double, 3, 2> axes;
+  axes << first.transpose(), axis.transpose().cross(first.transpose());
+  const Vector origin = loops.front().centre;
+  std::vector<Eigen::RowVector2d> points;
+  for (const FlatLoop& loop : loops)
+    for (const Index v : loop.vertices) points.emplace_back((source.row(v) - origin) * axes);
+  PlanePoints polygon = convex_hull(std::move(points));
+  const Vector middle = origin + centre(polygon) * axes.transpose();
+  return {{}, axis, first, middle, Outline(std::move(polygon))};
+}
+
+FlatLoop moved(const FlatLoop& loop, const Eigen::Affine3d& map) {
+  const double scale = std::cbrt(map.linear().determinant());
+  const Eigen::Matrix3d rotation = map.linear() / scale;
+  FlatLoop result = loop;
+  result.axis = loop.axis * rotation.transpose();
+  result.first_axis = loop.first_axis * rotation.transpose();
+  result.centre = (map * loop.centre.transpose()).transpose();
+  result.outline = loop.outline.scaled(scale);
+  return result;
+}
 
 FlatLoop flatten_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop) {
   std::vector<Index> loop = checked_loop(source, facts::merge::Side::source, source_loop);

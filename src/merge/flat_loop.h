@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <meshgraft/mesh/mesh.h>
 
@@ -24,5 +25,12 @@ struct FlatLoop {
 /// over, so that both meshes are consistently oriented. Throws Error(input) for a loop that is not a simple
 /// boundary loop, spans no area, or still crosses itself after smoothing.
 FlatLoop flatten_loop(const Mesh& target, const Mesh& source, const std::vector<Index>& source_loop);
+
+/// Returns the footprint of a source that stands on several loops: the convex hull of all of them, projected
+/// along the first one's axis. It has no vertices of its own.
+FlatLoop hull_of_loops(const Points& source, const std::vector<FlatLoop>& loops);
+
+/// Returns a loop moved by a similarity.
+FlatLoop moved(const FlatLoop& loop, const Eigen::Affine3d& map);
 
 }  // namespace meshgraft

@@ -230,7 +230,8 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
   throw Error(facts::merge::NoHoleAtAnySize{}, "surface_point").with(why);
 }
 
-/// Refuses a boundary vertex: a hole around it would reach the boundary at any size.
+}  // namespace
+
 void require_inner_point(const Mesh& target, const Drop& drop) {
   const auto* vertex = std::get_if<Index>(&drop.surface_point);
   if (vertex == nullptr) return;
@@ -239,7 +240,15 @@ void require_inner_point(const Mesh& target, const Drop& drop) {
       throw Error(facts::merge::VertexOnBoundary{.vertex = *vertex}, "surface_point");
 }
 
-}  // namespace
+std::variant<OpenedHole, Note> open_hole_for_loop(const Mesh& target, const FlatLoop& loop, const Drop& drop,
+                                                  const Context& context) {
+  const double size = drop.size.value_or(1);
+  const SizeRange range(target, loop);
+  if (size > range.largest) return Note(facts::merge::LoopLargerThanTarget{.size = size});
+  const SizeTrial trial = SizeSearch(target, loop, drop, size, context).at(size, true);
+  if (trial.misfit) return *trial.misfit;
+  return cut_open(*trial.fit, loop, target.vertex_count(), context);
+}
 
 struct DropGuide::Prepared {
   PreparedTarget target;
@@ -247,8 +256,10 @@ struct DropGuide::Prepared {
 };
 
 DropGuide::DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source,
-                     const std::vector<Index>& source_loop, const Context& context) {
-  FlatLoop loop = flatten_loop(*target, source, source_loop);
+                     const std::vector<std::vector<Index>>& source_loops, const Context& context) {
+  std::vector<FlatLoop> loops;
+  for (const auto& listed : source_loops) loops.push_back(flatten_loop(*target, source, listed));
+  FlatLoop loop = loops.size() == 1 ? loops.front() : hull_of_loops(source.positions, loops);
   prepared_ = std::make_shared<const Prepared>(PreparedTarget(std::move(target), context), std::move(loop));
 }
 

@@ -13,6 +13,8 @@
 #include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "flat_loop.h"
+
 namespace meshgraft {
 
 /// A target with a hole for a source's loop.
@@ -46,13 +48,21 @@ struct OpenedHole {
 /// merge.no_hole_at_any_size. A note of the error is the reason.
 OpenedHole open_hole(const Mesh& target, const Mesh& source, const Drop& drop, const Context& context = {});
 
+/// Refuses a boundary vertex: a hole around it would reach the boundary at any size.
+void require_inner_point(const Mesh& target, const Drop& drop);
+
+/// Opens a hole for a loop in exactly the size of `drop`, whatever the rest of the source does there. Returns
+/// the reason where there is no room for it. `drop` must be valid for the target.
+std::variant<OpenedHole, Note> open_hole_for_loop(const Mesh& target, const FlatLoop& loop, const Drop& drop,
+                                                  const Context& context = {});
+
 /// Predicts the pose of a dropped source before it is bent. It opens no hole, so that it can follow a
 /// pointer: the constructor does the work that does not depend on the point.
 class DropGuide {
  public:
-  /// Throws Error(input), as `open_hole` does, for a `source_loop` that is no boundary loop.
-  DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source, const std::vector<Index>& source_loop,
-            const Context& context = {});
+  /// Throws Error(input), as `open_holes` does, for loops that are no boundary loops.
+  DropGuide(std::shared_ptr<const Mesh> target, const Mesh& source,
+            const std::vector<std::vector<Index>>& source_loops, const Context& context = {});
 
   /// Returns the similarity of the source's coordinates that lays its loop level with the surface around the
   /// point. Its scale is the size of `drop` (absent: 1); the loop is the constructor's. Throws Error(input), as

@@ -34,6 +34,8 @@ class Outline {
   double reach() const { return points_.rowwise().norm().maxCoeff(); }
   /// Returns the square root of the area.
   double width() const;
+  /// Returns the outline scaled about the origin.
+  Outline scaled(double scale) const { return Outline(PlanePoints(scale * points_)); }
 
  private:
   struct Nearest {

@@ -41,7 +41,9 @@ Vector nearest_in_triangle(const Vector& p, const Vector& a, const Vector& b, co
   return best;
 }
 
-SurfacePoint nearest_on(const PreparedTarget& target, const Vector& point) {
+}  // namespace
+
+SurfacePoint find_nearest_point(const PreparedTarget& target, const Vector& point) {
   const Points& x = target.mesh.positions;
   double least = std::numeric_limits<double>::infinity();
   SurfacePoint best{point, {}};
@@ -55,8 +57,6 @@ SurfacePoint nearest_on(const PreparedTarget& target, const Vector& point) {
   }
   return best;
 }
-
-}  // namespace
 
 PreparedTarget::PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Context& context)
     : shared(std::move(shared_mesh)),
@@ -88,7 +88,7 @@ SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) 
   }
   const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();
   if (target.triangles.rows() == 0) throw Error(facts::merge::TargetWithoutFaces{});
-  SurfacePoint found = nearest_on(target, point);
+  SurfacePoint found = find_nearest_point(target, point);
   const double distance = (found.point - point).norm();
   if (!(distance <= near_surface * box_diagonal(target.mesh.positions)))
     throw Error(facts::merge::PointOffSurface{.x = point.x(),

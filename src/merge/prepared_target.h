@@ -37,6 +37,9 @@ void validate(const Drop& drop, const Mesh& target);
 /// face, and for a point farther from the surface than a twentieth of the target's diagonal.
 SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop);
 
+/// Returns the point of the surface nearest to `point`, however far. The target must have a face.
+SurfacePoint find_nearest_point(const PreparedTarget& target, const Eigen::RowVector3d& point);
+
 /// Returns the unit normal averaged over a distance along the surface around a point. Where the surface
 /// curves right round within that distance, returns the normal at the point.
 Eigen::RowVector3d mean_normal(const PreparedTarget& target, const SurfacePoint& point, double distance);

@@ -243,14 +243,16 @@ std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, M
   return pairs;
 }
 
-std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const Location& location) {
-  if (drop.source_loop) return loop_of(source, *drop.source_loop, location / "source_loop");
+std::vector<Index> dropped_loop(const DropSpec& drop, MergeSide& source, const Location& location) {
+  const auto& loops = source.context.loops;
+  if (drop.source_loop) return loops[loop_of(source, *drop.source_loop, location / "source_loop")];
+  const bool is_closed = loops.empty() && source.state.mesh.face_count() > 0 &&
+                         source.state.diagnostics.find(FindingKind::non_manifold_edge) == nullptr;
+  if (drop.base || is_closed) return {};
   require_loops(source, location);
-  if (source.context.loops.size() != 1)
-    throw Error(
-        facts::script::SourceLoopUnclear{.loops = source.context.loops.size(), .sizes = sizes_of(source)},
-        location);
-  return 0;
+  if (loops.size() != 1)
+    throw Error(facts::script::SourceLoopUnclear{.loops = loops.size(), .sizes = sizes_of(source)}, location);
+  return loops.front();
 }
 
 }  // namespace meshgraft

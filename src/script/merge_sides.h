@@ -40,8 +40,9 @@ struct MergeSide {
 std::vector<MergePair> resolve_pairs(const MergeStep& step, MergeSide& source, MergeSide& target,
                                      const Location& location);
 
-/// Returns the number of the source's loop that is dropped on the target. Throws Error(input).
-std::size_t dropped_loop(const DropSpec& drop, MergeSide& source, const Location& location);
+/// Returns the loop of the source that is dropped on the target; empty where the source is to be opened at its
+/// base. Throws Error(input).
+std::vector<Index> dropped_loop(const DropSpec& drop, MergeSide& source, const Location& location);
 
 /// Returns the one of some vertices that is nearest to a point.
 Index nearest(const Mesh& mesh, std::span<const Index> vertices, const Eigen::Vector3d& point);

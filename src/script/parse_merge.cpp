@@ -3,6 +3,7 @@
 
 #include <meshgraft/script/edit_file.h>
 
+#include "merge/facts.h"
 #include "merge/merge_conflict.h"
 #include "merge/pose_source.h"
 #include "parse_parts.h"
@@ -49,8 +50,17 @@ MergePairSpec parse_pair(const Value& value) {
   return pair;
 }
 
+DropBase parse_base(const Value& value) {
+  const Object fields(value, {"height", "tilt_deg", "tilt_axis"});
+  DropBase base;
+  fields.optional("height", [&](const Value& v) { base.height = v.positive_number(); });
+  fields.optional("tilt_deg", [&](const Value& v) { base.tilt_deg = v.number_in(-90, 90); });
+  fields.optional("tilt_axis", [&](const Value& v) { base.tilt_axis = v.direction(); });
+  return base;
+}
+
 DropSpec parse_drop(const Value& value) {
-  const Object fields(value, {"vertex", "point", "spin_deg", "source_loop"});
+  const Object fields(value, {"vertex", "point", "spin_deg", "source_loop", "base"});
   if (fields.has("vertex") == fields.has("point"))
     value.fail(facts::script::NotOneOf{.names = std::array{"vertex", "point"}});
   DropSpec drop;
@@ -58,6 +68,8 @@ DropSpec parse_drop(const Value& value) {
   fields.optional("point", [&](const Value& v) { drop.surface_point = v.vector3(); });
   fields.optional("spin_deg", [&](const Value& v) { drop.spin_deg = v.number(); });
   fields.optional("source_loop", [&](const Value& v) { drop.source_loop = parse_selection(v); });
+  fields.optional("base", [&](const Value& v) { drop.base = parse_base(v); });
+  if (drop.source_loop && drop.base) value.fail(facts::merge::BaseWithSourceLoop{});
   return drop;
 }
 

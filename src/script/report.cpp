@@ -148,6 +148,16 @@ Json merge_settings_json(const std::optional<Preset>& preset, const MergeOptions
   return json;
 }
 
+Json base_json(const std::optional<BaseReport>& base) {
+  if (!base) return nullptr;
+  return {{"point", vector_json(base->point)},
+          {"normal", vector_json(base->normal)},
+          {"height", base->height},
+          {"flat", base->flat},
+          {"loops", base->loops},
+          {"cut_away", base->cut_away}};
+}
+
 // Adds the fields of a merge step after those that all steps have.
 void add_merge(Json& json, const MergeOutcome& merge) {
   const MergeReport& report = merge.report;
@@ -157,6 +167,7 @@ void add_merge(Json& json, const MergeOutcome& merge) {
   json["settings"] = merge_settings_json(merge.preset, merge.options);
   json["pairs"] = Json::array();
   for (const PairReport& pair : report.pairs) json["pairs"].push_back(pair_json(pair));
+  json["base"] = base_json(merge.base);
   json["part"] = shape_json(report.shape);
   json["seam"] = seam_json(report.seam);
   json["residual"] = report.evaluation.residual;

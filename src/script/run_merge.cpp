@@ -12,6 +12,7 @@
 #include <meshgraft/merge/merge_options.h>
 
 #include "core/stopwatch.h"
+#include "merge/open_base.h"
 #include "merge/pose_source.h"
 #include "merge_sides.h"
 #include "run_steps.h"
@@ -113,12 +114,20 @@ std::vector<OrientationGuess> turned(std::vector<OrientationGuess> guesses, cons
   return guesses;
 }
 
+// Returns the plane that opens the source, in units of the posed source.
+DropBase base_of(const DropSpec& drop, const Eigen::Affine3d& posing) {
+  DropBase base = drop.base.value_or(DropBase{});
+  if (base.height) *base.height *= std::cbrt(std::abs(posing.linear().determinant()));
+  return base;
+}
+
 // Returns the error of a library call with the location of the field of the step.
 Error placed(const Error& error, const Location& location) {
   const std::vector<LocationPart>& parts = error.location().parts();
   if (!parts.empty() && parts.front().kind == LocationPart::Kind::pair)
     return error.at((location / "pairs")[parts.front().index] / error.location().from(1));
   if (error.location() == "surface_point") return error.at(location / "at");
+  if (!parts.empty() && parts.front().name == "base") return error.within(location / "at");
   return error.within(location);
 }
 
@@ -183,11 +192,17 @@ DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const 
     : location_(location) {
   MergeSide source(facts::script::Side::source, edit, source_scene),
       target(facts::script::Side::target, edit, target_scene);
-  const std::vector<Index>& loop = source.context.loops[dropped_loop(*step.at, source, location / "at")];
+  const std::vector<Index> loop = dropped_loop(*step.at, source, location / "at");
   posing_ = posing_of(step, source.sound.mesh(), target.sound.mesh(), location);
   const Mesh part = posed(source.sound.mesh(), posing_, location);
   try {
-    guide_.emplace(std::make_shared<const Mesh>(target.sound.mesh()), part, loop);
+    const auto shared = std::make_shared<const Mesh>(target.sound.mesh());
+    if (!loop.empty()) {
+      guide_.emplace(shared, part, std::vector<std::vector<Index>>{loop});
+    } else {
+      const OpenedSource opened = open_base(part, base_of(*step.at, posing_));
+      guide_.emplace(shared, opened.mesh, opened.loops);
+    }
   } catch (const Error& error) {
     throw placed(error, location);
   }
@@ -195,7 +210,7 @@ DropPlacement::DropPlacement(const EditFile& edit, const MergeStep& step, const 
 
 Eigen::Affine3d DropPlacement::map(const MergeStep& step) const {
   try {
-    return guide_->pose({step.at->surface_point, step.size, step.at->spin_deg, {}}) * posing_;
+    return guide_->pose({step.at->surface_point, step.size, step.at->spin_deg, {}, {}}) * posing_;
   } catch (const Error& error) {
     throw placed(error, location_);
   }
@@ -217,7 +232,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
       target(facts::script::Side::target, edit, states.at(step.target));
   std::vector<MergePair> pairs;
   if (step.at)
-    pairs.push_back({{source.context.loops[dropped_loop(*step.at, source, location / "at")], {}}, {}});
+    pairs.push_back({{dropped_loop(*step.at, source, location / "at"), {}}, {}});
   else
     pairs = resolve_pairs(step, source, target, location);
   outcome.options = resolve_options(step, source, options.overrides, location);
@@ -247,10 +262,12 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
   MergeResult result;
   try {
     if (step.at) {
-      const Drop drop{step.at->surface_point, step.size, step.at->spin_deg, pairs.front().loops.source};
+      const Drop drop{step.at->surface_point, step.size, step.at->spin_deg, pairs.front().loops.source,
+                      base_of(*step.at, outcome.posing)};
       DropResult dropped = drop_source(target.sound.mesh(), part, drop, outcome.options, context);
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
+      outcome.base = dropped.base;
       report.notes = std::move(dropped.notes);
       outcome.intersections = dropped.intersections;
     } else {

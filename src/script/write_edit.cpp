@@ -196,6 +196,12 @@ Json drop_json(const DropSpec& drop) {
     json["point"] = vector_json(std::get<Eigen::Vector3d>(drop.surface_point));
   json["spin_deg"] = drop.spin_deg;
   if (drop.source_loop) json["source_loop"] = selection_json(*drop.source_loop);
+  if (drop.base) {
+    Json& base = json["base"] = Json::object();
+    if (drop.base->height) base["height"] = *drop.base->height;
+    if (drop.base->tilt_deg != 0) base["tilt_deg"] = drop.base->tilt_deg;
+    if (drop.base->tilt_axis) base["tilt_axis"] = vector_json(*drop.base->tilt_axis);
+  }
   return json;
 }
 

@@ -25,6 +25,13 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"loops sheet.obj sheet.obj", 2, "--starts and a source go together"},
       {"loops sheet.obj sheet.obj --starts --pair 0:4", 3, "loop 4 does not exist; the mesh has 1 loop"},
       {"merge sheet.obj sheet.obj -o o.ply --spin 30", 2, "--spin goes with --at"},
+      {"merge sheet.obj sheet.obj -o o.ply --base-height 1", 2, "--base-height goes with --at"},
+      {"merge sheet.obj sheet.obj -o o.ply --base-tilt 5", 2, "--base-tilt goes with --at"},
+      {"merge sheet.obj sheet.obj -o o.ply --at 1 --base-tilt 5,w", 2, "--base-tilt: '5,w' is not a tilt"},
+      {"merge sheet.obj sheet.obj -o o.ply --at 1 --base-height 0", 2,
+       "--base-height: '0' is not a positive number"},
+      {"merge sheet.obj sheet.obj -o o.ply --at 1 --base-height 1 --source-loop 0", 3,
+       "goes with a source that is opened"},
       {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix all", 2, "--fix: 'all' is not a selection"},
       {"merge sheet.obj sheet.obj -o o.ply --pose keep --fix loop:0,7", 2, "--fix: '0,7' is not"},
       {"merge sheet.obj sheet.obj -o o.ply --fix loop:0", 2, "--fix goes with --pose keep: nothing stays"},
@@ -248,6 +255,41 @@ TEST_F(CommandLine, DropsAPartOnAClosedSurface) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const Outcome info = run("info whole.ply");
   EXPECT_NE(info.out.find("closed"), std::string::npos) << info.out;
+}
+
+TEST_F(CommandLine, OpensAClosedPartWhereItStands) {
+  ASSERT_EQ(run("sample bar --resolution 12 -o bar.ply").status, 0);
+  ASSERT_EQ(run("sample cactus --resolution 24 -o cactus.ply").status, 0);
+  const std::string drop =
+      "merge bar.ply cactus.ply -o whole.ply --force --report r.json --at 0.5,0,2 --size 0.3 ";
+  const auto base = [&](const std::string& options) {
+    const Outcome outcome = run(drop + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("the source is closed, so a plane opened it at 1 loop"), std::string::npos)
+        << outcome.out;
+    return json::parse(read_text(folder_ / "r.json"))["steps"][0]["base"];
+  };
+  const json found = base("");
+  EXPECT_EQ(found["loops"], 1);
+  EXPECT_GT(found["normal"][2], 0.99);
+  const json higher = base("--base-height 0.3 --base-tilt 10,y --save-edit again.json");
+  EXPECT_EQ(higher["height"], 0.3);
+  EXPECT_GT(higher["cut_away"], found["cut_away"]);
+  EXPECT_NEAR(higher["normal"][0].get<double>(), std::sin(10 * M_PI / 180), 0.01);
+  EXPECT_NE(run("info whole.ply").out.find("closed"), std::string::npos);
+  // The edit file that was saved repeats the command.
+  ASSERT_EQ(run("merge again.json -o again.ply").status, 0);
+  EXPECT_EQ(read_text(folder_ / "again.ply"), read_text(folder_ / "whole.ply"));
+  for (const auto& [options, words] :
+       {std::pair{"--base-height 99", "error: --base-height: a base 99 above the lowest point does not cut"},
+        {"--base-tilt 90", "error: --base-tilt: a tilt of the base must be between -90 and 90 degrees"},
+        {"--base-tilt 95", "error: --base-tilt: "},
+        {"--base-tilt 5,z --base-height 0.2",
+         "error: --base-tilt: the base's plane is turned about its own"}}) {
+    const Outcome refused = run(drop + options);
+    EXPECT_EQ(refused.status, 3) << options;
+    EXPECT_NE(refused.err.find(words), std::string::npos) << refused.err;
+  }
 }
 
 }  // namespace

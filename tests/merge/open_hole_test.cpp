@@ -96,7 +96,7 @@ TEST(OpenHole, LaysTheLoopOnAFlatPlace) {
 TEST(OpenHole, APartStandsWhereItsHoleIs) {
   const Mesh bar = make_sample("bar", 12), part = head();
   const std::vector<Index> loop = only_loop(part);
-  const DropGuide guide(std::make_shared<const Mesh>(bar), part, loop);
+  const DropGuide guide(std::make_shared<const Mesh>(bar), part, std::vector<std::vector<Index>>{loop});
   for (const double size : {0.4, 1.2}) {
     const Drop drop{bar_side, size, 77.0};
     const Eigen::Affine3d pose = guide.pose(drop);
@@ -111,7 +111,8 @@ TEST(OpenHole, APartStandsWhereItsHoleIs) {
   }
   EXPECT_THROW(guide.pose({Eigen::Vector3d(9, 9, 9)}), Error);
   EXPECT_THROW(guide.pose({bar_side, -1.0}), Error);
-  EXPECT_THROW(DropGuide(std::make_shared<const Mesh>(bar), part, {0, 1}), Error);
+  EXPECT_THROW(DropGuide(std::make_shared<const Mesh>(bar), part, std::vector<std::vector<Index>>{{0, 1}}),
+               Error);
 }
 
 TEST(OpenHole, KeepsTheTargetOutsideTheHole) {

@@ -92,6 +92,14 @@ TEST(MergeEditFile, KeepsEveryField) {
   EXPECT_EQ(std::get<Index>(std::get<MergeStep>(edit.steps.at(5).action).at->surface_point), 5);
 }
 
+TEST(MergeEditFile, ReadsTheBaseOfADroppedSource) {
+  const auto& step = std::get<MergeStep>(accepted("drop_base.json").steps.at(0).action);
+  ASSERT_TRUE(step.at && step.at->base);
+  EXPECT_EQ(step.at->base->height, 0.25);
+  EXPECT_EQ(step.at->base->tilt_deg, -15);
+  EXPECT_EQ(step.at->base->tilt_axis, Eigen::Vector3d(0, 1, 0));
+}
+
 TEST(MergeEditFile, ReadsVersionOneAsAMergeByThePaper) {
   const EditFile edit = accepted("version_1_merge.json");
   ASSERT_EQ(edit.steps.size(), 1u);

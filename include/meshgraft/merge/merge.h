@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -57,7 +58,8 @@ struct DropResult {
   MergeResult merge;     ///< merge; its index map of the target starts from the closed target
   MergeOptions options;  ///< the options that were used, with the size and the normal angle that were found
   MergeIntersections intersections;
-  std::vector<Note> notes;  ///< in addition to the merge's own
+  std::optional<BaseReport> base;  ///< the plane that opened the source, if it was closed
+  std::vector<Note> notes;         ///< in addition to the merge's own
 };
 
 /// Grafts a source onto a surface without a hole. It opens a hole of the shape of the source's loop, and
@@ -68,8 +70,15 @@ struct DropResult {
 /// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
 /// given, it bends half as far, or not at all.
 ///
-/// Throws what `merge_meshes` throws. Throws Error(input), naming `surface_point`, `size` or the loop, in these
-/// cases:
+/// Without `source_loop` the source is opened first: a plane cuts off its base (`DropBase`). Each loop of the
+/// section meets the surface, so that a source may stand on several feet. Without a
+/// height, up to five planes are tried until the drop is possible and the result has no new intersections.
+/// Vertices that were cut away map to -1, and in `grafted` they follow the similarity of the others; reported
+/// pairs name vertices of the given source.
+///
+/// Throws what `merge_meshes` throws. Throws Error(input) where the source has no base, or where the base's
+/// plane does not cut it in clean loops (location `base`; the ids begin with merge.base or are merge.no_base).
+/// Throws Error(input), naming `surface_point`, `size` or the loop, in these cases:
 /// - a vertex does not exist or is on the boundary;
 /// - a point is farther from the surface than a twentieth of the target's diagonal;
 /// - `source_loop` is no boundary loop or spans no area;

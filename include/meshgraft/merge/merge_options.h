@@ -121,6 +121,21 @@ struct MergeOptions {
   static MergeOptions as_published();
 };
 
+/// The plane that opens a closed source before it is dropped. Its normal, up, points from the base into the
+/// source. Without values the library finds the base: a flat side of the source, the lowest one first, else
+/// the lowest plane that cuts clean round loops.
+struct DropBase {
+  /// Height of the plane above the source's lowest point along up, in units of the source. Absent: the
+  /// lowest height that gives clean loops.
+  std::optional<double> height{};
+  /// Turn of the plane about the centre of its section, right hand, degrees, between -90 and 90.
+  double tilt_deg = 0;
+  /// Axis of the turn, in the source's coordinates. Absent: x, or y where up is nearest to x.
+  std::optional<Eigen::Vector3d> tilt_axis{};
+
+  bool is_automatic() const { return !height && tilt_deg == 0; }
+};
+
 /// Location, size and rotation of a source that is put onto a surface without a hole.
 struct Drop {
   /// A vertex of the target, or a point that stands for the nearest point of the surface.
@@ -131,8 +146,10 @@ struct Drop {
   /// Rotation about the target's normal, right hand, degrees. At 0 the source is rotated as little as possible
   /// from its orientation in its own coordinates.
   double spin_deg = 0;
-  /// The boundary loop of the source that meets the surface, listed whole and in order.
+  /// The boundary loop of the source that meets the surface, listed whole and in order. Empty: the source is
+  /// opened at its base.
   std::vector<Index> source_loop{};
+  DropBase base{};  ///< without `source_loop`: the plane that opens the source
 };
 
 }  // namespace meshgraft

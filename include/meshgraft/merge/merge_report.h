@@ -66,6 +66,16 @@ struct ShapeReport {
   Index inverted = 0;  ///< vertices whose local map is inverted
 };
 
+/// The plane that opened a closed source before it was dropped, in the source's coordinates.
+struct BaseReport {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();    ///< centre of the section
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit length, from the base into the source
+  double height = 0;   ///< of `point` above the lowest point along up, before the tilt; units of the source
+  bool flat = false;   ///< the source has a flat side below the plane
+  Index loops = 0;     ///< loops that meet the surface
+  Index cut_away = 0;  ///< vertices of the source below the plane
+};
+
 struct MergeReport {
   std::vector<PairReport> pairs;
   ShapeReport shape;

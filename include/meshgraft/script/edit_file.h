@@ -199,6 +199,9 @@ struct DropSpec {
   VertexSpec surface_point;
   double spin_deg = 0;                         ///< turn about the target's normal, degrees
   std::optional<EditSelection> source_loop{};  ///< absent: the source's only loop
+  /// Without `source_loop`: opens the source here, as in `Drop`. Absent: where the source has no loop, its base
+  /// is found. A height is in units of the source before it was posed.
+  std::optional<DropBase> base{};
 };
 
 struct MergeSettings {

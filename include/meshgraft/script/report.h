@@ -85,6 +85,8 @@ struct MergeOutcome {
   std::vector<Index> new_faces;
   Points grafted;  ///< the source's positions after the solve, before the seam (n×3)
   MergeIntersections intersections;
+  /// The plane that opened a closed source, in its coordinates after the pose.
+  std::optional<BaseReport> base;
 };
 
 /// Results of a cut step other than the mesh.
