@@ -21,8 +21,9 @@ from pathlib import Path
 RECORDS = (
     "TopologySummary", "Finding", "Diagnostics", "RepairChange", "RepairResult", "CutOptions", "CutResult",
     "OperatorOptions", "SolverStatistics", "DeformerOptions", "DeformerSummary", "EvaluationReport", "ProxySummary",
-    "Quality", "Orientation", "OrientationGuess", "Match", "StartCandidate", "Reach", "MergeFeature", "SeamOptions", "MergeOptions", "Similarity", "SeamReport", "PairReport",
-    "ShapeReport", "MergeReport", "MergeIntersections", "DeformSettings", "StageSeconds", "DeformCounts", "ProxyReport",
+    "Quality", "Orientation", "OrientationGuess", "Match", "StartCandidate", "Reach", "MergeFeature", "SeamOptions",
+    "MergeOptions", "Similarity", "SeamReport", "PairReport", "ShapeReport", "BaseReport", "MergeReport", "MergeIntersections",
+    "DeformSettings", "StageSeconds", "DeformCounts", "ProxyReport",
     "SymmetryReport", "MergeOutcome", "CutOutcome", "StepReport", "EditReport::Input", "EditReport", "SampleInfo",
     "WriteResult", "HandleBuffers", "StencilNodes",
 )

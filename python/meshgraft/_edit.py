@@ -129,7 +129,8 @@ class Edit:
 
     def merge(self, target: str, source: str, *, pairs: Sequence[tuple[Any, Any]] | None = None,
               matches: Sequence[tuple[Any, Any]] | None = None, at: Any = None, spin_deg: float | None = None,
-              source_loop: Any = None, pose: MergePose | None = None, shape: MergeShape | None = None,
+              source_loop: Any = None, base_height: float | None = None, base_tilt_deg: float | None = None,
+              base_tilt_axis: Any = None, pose: MergePose | None = None, shape: MergeShape | None = None,
               align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
               source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
               fixed: Any = None, reach_rings: int | None = None, reach_length: float | None = None,
@@ -138,7 +139,8 @@ class Edit:
               **settings: Unpack[MergeKeywords]) -> Self:
         """Adds a merge step; with `at`, a drop. The arguments are those of `meshgraft.merge` and `meshgraft.drop`."""
         step = merge_step(target, source, (None, None), dict(
-            pairs=pairs, matches=matches, at=at, spin_deg=spin_deg, source_loop=source_loop, pose=pose, shape=shape,
+            pairs=pairs, matches=matches, at=at, spin_deg=spin_deg, source_loop=source_loop, base_height=base_height,
+            base_tilt_deg=base_tilt_deg, base_tilt_axis=base_tilt_axis, pose=pose, shape=shape,
             align=align, mirror=mirror, source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg,
             fixed=fixed, reach_rings=reach_rings, reach_length=reach_length, features=features,
             smooth_boundary=smooth_boundary, fix_winding=fix_winding, settings=settings))

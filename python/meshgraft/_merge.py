@@ -16,8 +16,8 @@ from meshgraft._calls import Progress, calling
 from meshgraft._deform import feature_spec
 from meshgraft._docs_of import documented
 from meshgraft._facts import Note
-from meshgraft._records import (DeformKeywords, MergeIntersections, MergeOptions, MergePose, MergeReport, MergeShape,
-                                SeamKeywords, StageSeconds)
+from meshgraft._records import (BaseReport, DeformKeywords, MergeIntersections, MergeOptions, MergePose, MergeReport,
+                                MergeShape, SeamKeywords, StageSeconds)
 from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
@@ -54,6 +54,8 @@ class MergeResult(Generic[M]):
     options: MergeOptions
     """the options that were used"""
     intersections: MergeIntersections
+    base: BaseReport | None
+    """the plane that opened a closed source before it was dropped"""
     seconds: StageSeconds
     notes: tuple[Note, ...]
 
@@ -107,6 +109,11 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
             step["at"]["spin_deg"] = a["spin_deg"]
         if "source_loop" in a:
             step["at"]["source_loop"] = _loop(a["source_loop"], "source_loop", source_size)
+        base = _texts.without_none(height=a.get("base_height"), tilt_deg=a.get("base_tilt_deg"))
+        if "base_tilt_axis" in a:
+            base["tilt_axis"] = _arrays.vector(a["base_tilt_axis"], "base_tilt_axis").tolist()
+        if base:
+            step["at"]["base"] = base
     if settings := _texts.without_none(**a.get("settings", {})):
         _texts.require_known(settings, MergeKeywords.__annotations__)
         step["settings"] = settings
@@ -135,7 +142,8 @@ def _run(name: str, target: M, source: Any, arguments: Mapping[str, Any], *, str
     return MergeResult(
         mesh=adapted.like(mesh), target_map=done.merge.target_map, source_map=done.merge.source_map,
         new_faces=done.merge.new_faces, grafted=done.merge.grafted, posing=done.merge.posing, report=done.merge.report,
-        options=done.merge.options, intersections=done.merge.intersections, seconds=done.seconds, notes=done.notes)
+        options=done.merge.options, intersections=done.merge.intersections, base=done.merge.base,
+        seconds=done.seconds, notes=done.notes)
 
 
 @documented("merge_meshes")
@@ -168,6 +176,7 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
 
 @documented("drop_source")
 def drop(target: M, source: Any, at: Any, *, spin_deg: float | None = None, source_loop: Any = None,
+         base_height: float | None = None, base_tilt_deg: float | None = None, base_tilt_axis: Any = None,
          shape: MergeShape | None = None, align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
          source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
          reach_rings: int | None = None, reach_length: float | None = None, features: Sequence[Any] | None = None,
@@ -175,10 +184,12 @@ def drop(target: M, source: Any, at: Any, *, spin_deg: float | None = None, sour
          progress: Progress = None, **settings: Unpack[MergeKeywords]) -> MergeResult[M]:
     """Grafts `source` onto a surface without a hole: `at` a vertex, or at the point of the surface nearest to a point.
 
-    `spin_deg`: rotation about the surface's normal. `source_loop`: the loop of the source, if it has several. Other
-    arguments as for `merge`.
+    `spin_deg`: rotation about the surface's normal. `source_loop`: the loop of the source, if it has several. A
+    closed source is opened at its base, by a plane that `base_height`, `base_tilt_deg` and `base_tilt_axis` move; the
+    result's `base` names it. Other arguments as for `merge`.
     """
-    arguments = dict(at=at, spin_deg=spin_deg, source_loop=source_loop, shape=shape, align=align, mirror=mirror,
+    arguments = dict(at=at, spin_deg=spin_deg, source_loop=source_loop, base_height=base_height,
+                     base_tilt_deg=base_tilt_deg, base_tilt_axis=base_tilt_axis, shape=shape, align=align, mirror=mirror,
                      source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg,
                      reach_rings=reach_rings, reach_length=reach_length, features=features, smooth_boundary=smooth_boundary,
                      fix_winding=fix_winding, settings=settings)

@@ -216,6 +216,16 @@ def test_a_dropped_part_is_grafted_whole():
     assert dropped.options.size == 0.3
 
 
+def test_a_closed_part_is_opened_where_its_base_is():
+    octopus, cactus = mg.sample("octopus", 48), mg.sample("cactus", 32)
+    dropped = mg.drop(octopus, cactus, (0, -0.33, 1.63), size=0.2)
+    assert dropped.mesh.topology().closed and dropped.base.loops == 1
+    assert np.allclose(dropped.base.normal, (0, 0, 1), atol=0.01)
+    higher = mg.drop(octopus, cactus, (0, -0.33, 1.63), size=0.2, base_height=0.3, base_tilt_deg=10, base_tilt_axis=(0, 1, 0))
+    assert higher.base.height == 0.3 and higher.base.cut_away > dropped.base.cut_away
+    assert np.isclose(np.degrees(np.arccos(higher.base.normal @ dropped.base.normal)), 10, atol=0.01)
+
+
 @pytest.mark.parametrize("keyword", [{"proxy": 100}, {"refine_boundary": 1}])
 def test_a_deformer_refuses_keywords_of_steps(bar, ends, keyword):
     for kind in (mg.Deformer, mg.ProxyDeformer, mg.LiveDeformer):
