@@ -122,17 +122,20 @@ Json graft_fields(const ShownGraft& graft) {
   Json pairs = Json::array();
   for (const PairReport& pair : report.pairs) pairs.push_back(pair_summary(pair));
   const Eigen::Affine3d map = whole_map(merge);
-  return {{"graft", graft.number},
-          {"dragged", graft.dragged},
-          {"seconds", graft.report.seconds.total},
-          {"transform", matrix_json(map)},
-          {"size", scale_of(map)},
-          {"normal_angle_deg", merge.options.normal_angle_deg},
-          {"pairs", pairs},
-          {"seam", seam_summary(report.seam)},
-          {"inverted", report.shape.inverted},
-          {"self_intersections", merge.intersections.result},
-          {"notes", to_json(graft.report.notes)}};
+  Json fields = {{"graft", graft.number},
+                 {"dragged", graft.dragged},
+                 {"seconds", graft.report.seconds.total},
+                 {"transform", matrix_json(map)},
+                 {"size", scale_of(map)},
+                 {"normal_angle_deg", merge.options.normal_angle_deg},
+                 {"pairs", pairs},
+                 {"seam", seam_summary(report.seam)},
+                 {"inverted", report.shape.inverted},
+                 {"self_intersections", merge.intersections.result},
+                 {"notes", to_json(graft.report.notes)}};
+  if (merge.base)
+    fields["base"] = {{"height", merge.base->height / scale_of(merge.posing)}, {"loops", merge.base->loops}};
+  return fields;
 }
 
 }  // namespace meshgraft::editor

@@ -225,6 +225,36 @@ TEST_F(GraftEditor, DropsAPartOnTheSurface) {
   EXPECT_EQ(page_.ask({{"do", "graft-drag"}})["graft"], 0) << "nothing is shown";
 }
 
+TEST_F(GraftEditor, OpensAClosedPartWhereItIsDropped) {
+  page_.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 16}});
+  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "cactus"}, {"resolution", 24}});
+  const Json at = {{"point", {0.5, 0, 2}}};
+  const Json reply = page_.ask({{"do", "graft-drag"}, {"source", "cactus"}, {"at", at}, {"size", 0.3}});
+  EXPECT_TRUE(reply.contains("transform"));
+  const Json dragged = told(reply["graft"]);
+  ASSERT_FALSE(dragged.contains("error")) << dragged;
+  EXPECT_EQ(dragged["base"]["loops"], 1);
+  const double height = dragged["base"]["height"];
+  EXPECT_GT(height, 0);
+  EXPECT_EQ(state()["graft"], nullptr) << "a drag is no part of the document";
+
+  Json higher = at;
+  higher["base"] = {{"height", 3 * height}};
+  const Json raised =
+      told(page_.ask({{"do", "graft-drag"}, {"source", "cactus"}, {"at", higher}, {"size", 0.3}})["graft"]);
+  EXPECT_EQ(raised["base"]["height"], 3 * height);
+  EXPECT_LT(shown(raised).numbers.at("positions").size(), shown(dragged).numbers.at("positions").size());
+  const Json kept = graft({{"source", "cactus"}, {"at", higher}, {"size", 0.3}});
+  expect_replayed(shown(kept));
+
+  higher["base"] = {{"height", 1e6}};
+  const Json outside = page_.ask({{"do", "graft-drag"}, {"at", higher}});
+  EXPECT_EQ(told(outside["graft"])["error"]["id"], "merge.base_height_outside");
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  EXPECT_EQ(page_.ask({{"do", "graft-drag"}})["graft"], 0) << "nothing is shown";
+  EXPECT_EQ(state()["graft"], nullptr);
+}
+
 TEST_F(GraftEditor, SupersedesPreviews) {
   open_bust_and_head();
   page_.ask({{"do", "graft"}, {"source", "head"}});

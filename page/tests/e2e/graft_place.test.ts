@@ -139,3 +139,68 @@ test("drops a part from the library onto the surface", async () => {
   expect(await saved(harness)).toMatchObject({ ...watertight, euler_characteristic: 0 });
   expect(user.complaints).toEqual([]);
 }, 240_000);
+
+test("opens a closed part where it is dropped, at a height that the wheel changes", async () => {
+  const { harness, user } = await open();
+  await harness.openSample("bar", 20);
+  await user.page.getByRole("tab", { name: "Graft" }).click();
+  await user.rests();
+  const before = await user.page.evaluate(() => window.meshgraft.editor.graft.parts.value.length);
+  const begin = () =>
+    user.page.evaluate(async () => {
+      const { graft } = window.meshgraft.editor;
+      await graft.beginDrop(() => graft.addPart({ sample: "cactus", resolution: 24 }, false));
+    });
+  const middle = async (): Promise<Point> => {
+    const [left, top, right, bottom] = await boxOnPage(user, "model");
+    return [(left + right) / 2, (top + bottom) / 2];
+  };
+  const shownBase = () => user.page.evaluate(() => window.meshgraft.editor.graft.report.value?.base?.height);
+  const whenShown = () =>
+    user.page.waitForFunction(() => {
+      const { graft } = window.meshgraft.editor;
+      return graft.report.value?.base !== undefined && graft.preview.value !== null;
+    }, undefined, { timeout: 90_000 });
+
+  // A drop that is cancelled leaves nothing behind.
+  await begin();
+  await user.page.mouse.move(...(await middle()), { steps: 4 });
+  await whenShown();
+  await user.press("Escape");
+  await user.page.waitForFunction(
+    (count) => {
+      const { graft } = window.meshgraft.editor;
+      return graft.parts.value.length === count && graft.preview.value === null && graft.dropped.value === null;
+    },
+    before,
+  );
+  expect(await graftOf(user)).toBeNull();
+
+  await begin();
+  const [x, y] = await middle();
+  await user.page.mouse.move(x + 2, y, { steps: 4 });
+  await whenShown();
+  const first = await shownBase();
+  const status = user.page.getByRole("contentinfo", { name: "Status" });
+  await status.getByText("cut open by itself").waitFor();
+  await user.page.keyboard.down("Alt");
+  await user.wheel(-300);
+  await user.page.keyboard.up("Alt");
+  await user.page.waitForFunction(
+    (height) => (window.meshgraft.editor.graft.report.value?.base?.height ?? 0) > 1.3 * (height ?? 0),
+    first,
+    { timeout: 90_000 },
+  );
+  await user.screenshot("drop-closed-dragged");
+  await user.page.mouse.down();
+  await user.page.mouse.up();
+  const report = await grafted(user);
+  expect(report?.error).toBeUndefined();
+  expect(report?.base?.height).toBeGreaterThan(1.3 * (first ?? 0));
+  await user.page.getByRole("slider", { name: "Base" }).or(user.page.getByLabel("Base")).first().waitFor();
+  await user.screenshot("drop-closed-done");
+  await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await user.settle();
+  expect(await saved(harness)).toMatchObject(watertight);
+  expect(user.complaints).toEqual([]);
+}, 240_000);

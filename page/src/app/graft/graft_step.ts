@@ -34,7 +34,7 @@ export interface GraftStep {
   readonly shape: "similar" | "ft05";
   readonly pairs: readonly Pair[];
   /** The point where the part is dropped, instead of pairs. */
-  readonly at: { vertex?: number; point?: Vector3Tuple; spin_deg?: number } | undefined;
+  readonly at: NonNullable<GraftFields["at"]> | undefined;
   readonly size: number | undefined; // absent: found, or the part's own
   readonly normalAngleDeg: number;
   readonly mirror: { point: Vector3Tuple; normal: Vector3Tuple } | undefined;

@@ -13,6 +13,8 @@ export interface GraftFieldsProps {
 interface NumbersProps extends GraftFieldsProps {
   /** The scale that the engine found, if known. */
   foundSize: number | undefined;
+  /** The height at which the engine cut a closed part open, if it did. */
+  foundBase?: number | undefined;
   /** Previews fields while a slider is dragged. */
   drag?: (fields: GraftFields) => void;
   /** The field for the twist of paired loops. */
@@ -20,7 +22,7 @@ interface NumbersProps extends GraftFieldsProps {
 }
 
 /** The fields for normal angle, spin and size. */
-export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProps) {
+export function GraftNumbers({ step, foundSize, foundBase, drag, keep, twist }: NumbersProps) {
   return (
     <>
       <Slider
@@ -35,6 +37,9 @@ export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProp
         onChange={(value) => keep({ normal_angle_deg: value === 0 ? null : value })}
       />
       {step.at === undefined ? twist : <Spin step={step} drag={drag} keep={keep} />}
+      {step.at !== undefined && foundBase !== undefined && (
+        <BaseHeight step={step} found={foundBase} drag={drag} keep={keep} />
+      )}
       {(step.pose === "find" || step.at !== undefined) && (
         <div class="size-row">
           <Slider
@@ -66,7 +71,7 @@ export function GraftNumbers({ step, foundSize, drag, keep, twist }: NumbersProp
   );
 }
 
-function Spin({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "twist">) {
+function Spin({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "foundBase" | "twist">) {
   const at = (spin_deg: number): GraftFields => ({ at: { ...step.at, spin_deg } });
   return (
     <Slider
@@ -78,6 +83,33 @@ function Spin({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "twist">) {
       onInput={(value) => drag?.(at(value))}
       onChange={(value) => keep(at(value))}
     />
+  );
+}
+
+function BaseHeight({ step, found, drag, keep }: Omit<NumbersProps, "foundSize" | "foundBase" | "twist"> & { found: number }) {
+  const { base, ...place } = step.at ?? {};
+  const at = (height: number): GraftFields => ({ at: { ...place, base: { ...base, height } } as GraftFields["at"] });
+  return (
+    <div class="size-row">
+      <Slider
+        label="Base"
+        min={-Infinity}
+        above={0}
+        max={1e12}
+        softMin={found / 4}
+        softMax={found * 4}
+        logarithmic
+        step={0.05}
+        digits={3}
+        value={base?.height ?? found}
+        help="The part is closed: where it is cut open, above its lowest point."
+        onInput={(height) => drag?.(at(height))}
+        onChange={(height) => keep(at(height))}
+      />
+      {base?.height !== undefined && (
+        <IconButton label="Reset base" icon="reset" onClick={() => keep({ at: place as GraftFields["at"] })} />
+      )}
+    </div>
   );
 }
 

@@ -199,6 +199,7 @@ function Sliders({ page, step: shown }: { page: Page; step: GraftStep }) {
     <GraftNumbers
       step={graft.kept.value ?? shown}
       foundSize={graft.report.value?.size}
+      foundBase={graft.report.value?.base?.height}
       drag={(fields) => graft.drag(fields)}
       keep={(fields) => void graft.set(fields)}
       twist={<Twist page={page} />}

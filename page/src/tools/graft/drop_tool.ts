@@ -11,9 +11,14 @@ interface Drop {
   point: [number, number, number];
   spinDeg: number;
   size: number | undefined;
+  /** Where a closed part is cut open, above its lowest point. */
+  baseHeight: number | undefined;
 }
 
-/** Drops a part: it follows the pointer over the surface, spins and scales, and is grafted where it is released. */
+/**
+ * Drops a part: it follows the pointer over the surface, spins and scales, and is grafted where it is released. The
+ * height at which a closed part is cut open changes by the wheel, too.
+ */
 export class DropTool implements Tool {
   readonly cursor = "copy";
   private drop: Drop | undefined;
@@ -35,7 +40,7 @@ export class DropTool implements Tool {
       this.context.status.say("Point at the surface", screenPoint);
       return;
     }
-    this.drop = { spinDeg: 0, size: undefined, ...this.drop, point };
+    this.drop = { spinDeg: 0, size: undefined, baseHeight: undefined, ...this.drop, point };
     this.show();
   }
 
@@ -60,7 +65,8 @@ export class DropTool implements Tool {
   wheel(event: WheelEvent): boolean {
     if (this.drop === undefined) return false;
     const step = Math.max(-3, Math.min(3, (event.deltaY || event.deltaX) / 100));
-    if (event.shiftKey || event.ctrlKey) this.scale(Math.exp(-0.1 * step));
+    if (event.altKey) this.raiseBase(Math.exp(-0.1 * step));
+    else if (event.shiftKey || event.ctrlKey) this.scale(Math.exp(-0.1 * step));
     else this.spin(7.5 * step);
     return true;
   }
@@ -70,6 +76,7 @@ export class DropTool implements Tool {
     const back = shiftKey ? -1 : 1;
     if (key.toLowerCase() === "r") this.spin(15 * back);
     else if (key.toLowerCase() === "s") this.scale(1.1 ** back);
+    else if (key.toLowerCase() === "b") this.raiseBase(1.1 ** back);
     else return false;
     return true;
   }
@@ -92,11 +99,24 @@ export class DropTool implements Tool {
     this.show();
   }
 
+  // The height is known once a preview has come.
+  private raiseBase(by: number): void {
+    if (this.drop === undefined) return;
+    const now = this.drop.baseHeight ?? this.graft.report.value?.base?.height;
+    if (now === undefined) return;
+    this.drop.baseHeight = Number((now * by).toPrecision(4));
+    this.show();
+  }
+
   private fields(): GraftFields | undefined {
     const { drop } = this;
     const source = this.graft.dropped.value?.name;
     if (drop === undefined || source === undefined) return undefined;
-    const at = { point: drop.point, ...(drop.spinDeg === 0 ? {} : { spin_deg: drop.spinDeg }) };
+    const at = {
+      point: drop.point,
+      ...(drop.spinDeg === 0 ? {} : { spin_deg: drop.spinDeg }),
+      ...(drop.baseHeight === undefined ? {} : { base: { height: drop.baseHeight } }),
+    };
     return { source, at, size: drop.size ?? null };
   }
 
@@ -105,7 +125,13 @@ export class DropTool implements Tool {
     if (fields === undefined || this.drop === undefined || this.screenPoint === undefined) return;
     this.graft.drag(fields);
     const size = this.drop.size === undefined ? "original size" : `× ${this.drop.size.toPrecision(3)}`;
-    this.context.status.say(`Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (Shift+wheel, S) · Esc cancels`, this.screenPoint);
+    const isClosed = this.graft.byName(this.graft.dropped.value?.name)?.loops === 0;
+    const height = this.drop.baseHeight?.toPrecision(3) ?? "by itself";
+    const base = isClosed ? ` · cut open ${height} (Alt+wheel, B)` : "";
+    this.context.status.say(
+      `Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (Shift+wheel, S)${base} · Esc cancels`,
+      this.screenPoint,
+    );
   }
 
   /** Grafts the part at its current point. */
