@@ -172,7 +172,8 @@ Direction centre_of(const std::vector<SectionLoop>& loops) {
 }
 
 Direction tilted(const Direction& up, const DropBase& base) {
-  constexpr double right_angle = 90, parallel = 1e-6;
+  constexpr double right_angle = 90;
+  constexpr double parallel = 0.02;  // chosen: within about a degree a turn does hardly anything
   if (!(std::abs(base.tilt_deg) < right_angle))
     throw Error(facts::merge::BaseTiltTooLarge{.tilt_deg = base.tilt_deg}, Location("base") / "tilt_deg");
   const bool along_x = std::abs(up.x()) > std::max(std::abs(up.y()), std::abs(up.z()));

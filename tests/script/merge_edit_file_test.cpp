@@ -93,7 +93,8 @@ TEST(MergeEditFile, KeepsEveryField) {
 }
 
 TEST(MergeEditFile, ReadsTheBaseOfADroppedSource) {
-  const auto& step = std::get<MergeStep>(accepted("drop_base.json").steps.at(0).action);
+  const EditFile edit = accepted("drop_base.json");
+  const auto& step = std::get<MergeStep>(edit.steps.at(0).action);
   ASSERT_TRUE(step.at && step.at->base);
   EXPECT_EQ(step.at->base->height, 0.25);
   EXPECT_EQ(step.at->base->tilt_deg, -15);

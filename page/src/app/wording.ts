@@ -277,6 +277,16 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.fewer_feet_used": ({ feet, used }) => ({
     problem: `the part does not stand well on its ${counted(feet, "foot", "feet")} there, so it is cut higher, in ${counted(used, "loop", "loops")}`,
   }),
+  "merge.foot_beside_surface": ({ size }) => ({
+    problem: `a foot of the part would stand beside the model's surface, at size ${formatNumber(size, 3)}`,
+  }),
+  "merge.feet_too_close": ({ size }) => ({
+    problem: `the holes for two feet of the part would meet, at size ${formatNumber(size, 3)}`,
+  }),
+  "merge.base_with_source_loop": () => ({
+    problem: "a part is either cut open at its base or joined at one of its loops",
+    remedy: "Name one of the two.",
+  }),
   "merge.no_base": () => ({
     problem: "the part is closed and has no side where a plane cuts it in clean round loops",
     remedy:

@@ -181,8 +181,7 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   await user.page.mouse.move(x + 2, y, { steps: 4 });
   await whenShown();
   const first = await shownBase();
-  const status = user.page.getByRole("contentinfo", { name: "Status" });
-  await status.getByText("cut open by itself").waitFor();
+  await user.page.getByText("cut open by itself").first().waitFor();
   await user.page.keyboard.down("Alt");
   await user.wheel(-300);
   await user.page.keyboard.up("Alt");
