@@ -1,5 +1,6 @@
 import type { FactFields, FactId } from "../facts";
 import type { EngineError, Note } from "../protocol";
+import { baseWords } from "./graft/base_words";
 import { counted, formatNumber } from "./units";
 
 /** The content of a message to the user. Location and remedy may be empty. */
@@ -115,7 +116,6 @@ const otherPlane =
 const turnInsideOut = "Switch on Flip normals of part, under More options.";
 const percent = (part: number) => `${formatNumber(100 * part)} %`;
 const elsewhere = "Drag it to another place.";
-const anotherBase = "Drag Base to another height, or cut the part open first.";
 const smallerOrProxy = "Choose a smaller region, or set Proxy vertices under More settings.";
 
 const together = { point: "in one place", line: "on one line", plane: "in one plane" };
@@ -240,58 +240,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "linalg.operator_too_large": () => ({ remedy: smallerOrProxy }),
 
-  "merge.base_cut": ({ loops, height }) => ({
-    problem: `the part is closed, so it was cut open ${formatNumber(height, 4)} above its lowest point, in ${counted(loops, "loop")}`,
-  }),
-  "merge.base_cuts_open_chain": () => ({
-    problem: "the plane that cuts the part open meets a hole of it",
-    remedy: anotherBase,
-  }),
-  "merge.base_divides_source": ({ pieces }) => ({
-    problem: `above the plane that cuts it open, the part falls into ${counted(pieces, "piece", "pieces")}`,
-    remedy: anotherBase,
-  }),
-  "merge.base_has_too_many_loops": ({ loops }) => ({
-    problem: `the plane that cuts the part open makes ${counted(loops, "loop", "loops")}, which is too many`,
-    remedy: anotherBase,
-  }),
-  "merge.base_height_outside": ({ height, extent }) => ({
-    problem: `a base ${formatNumber(height, 4)} above its lowest point is outside the part`,
-    remedy: `Use a base between 0 and ${formatNumber(extent, 4)}.`,
-  }),
-  "merge.base_is_hollow": () => ({
-    problem: "the part is hollow where it would be cut open",
-    remedy: `${anotherBase} To keep the hollow, unite both meshes by a Boolean union in another program.`,
-  }),
-  "merge.base_loop_without_area": () => ({
-    problem: "one of the loops in which the part would be cut open has hardly any area",
-    remedy: anotherBase,
-  }),
-  "merge.base_misses_source": () => ({
-    problem: "the plane that should cut the part open misses it",
-    remedy: anotherBase,
-  }),
-  "merge.base_takes_much": ({ percent }) => ({
-    problem: `what was cut off as its base has ${formatNumber(percent, 2, 0)} % of the part's vertices; a lower base keeps more`,
-  }),
-  "merge.fewer_feet_used": ({ feet, used }) => ({
-    problem: `the part does not stand well on its ${counted(feet, "foot", "feet")} there, so it is cut higher, in ${counted(used, "loop", "loops")}`,
-  }),
-  "merge.foot_beside_surface": ({ size }) => ({
-    problem: `a foot of the part would stand beside the model's surface, at size ${formatNumber(size, 3)}`,
-  }),
-  "merge.feet_too_close": ({ size }) => ({
-    problem: `the holes for two feet of the part would meet, at size ${formatNumber(size, 3)}`,
-  }),
-  "merge.base_with_source_loop": () => ({
-    problem: "a part is either cut open at its base or joined at one of its loops",
-    remedy: "Name one of the two.",
-  }),
-  "merge.no_base": () => ({
-    problem: "the part is closed and has no side where a plane cuts it in clean round loops",
-    remedy:
-      "Cut it open first. If the two solids shall only overlap, unite them by a Boolean union in another program.",
-  }),
+  ...baseWords,
   "merge.bent_less": ({ normal_angle_deg }) => ({
     problem: `the part's boundary turned inside out where it bends into the surface, so it bends less: a tilt of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
   }),
