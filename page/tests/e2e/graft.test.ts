@@ -35,6 +35,27 @@ test("grafts a head from a fresh page within five actions", async () => {
   expect(user.complaints).toEqual([]);
 });
 
+test("offers other rotations as buttons, which turn the part and are undone", async () => {
+  const { user } = await openWithPart("bust", "head", 40, true);
+  const turnOf = async (report: Awaited<ReturnType<typeof grafted>>) => report?.transform?.[0]?.[0] ?? NaN;
+  expect(await turnOf(await grafted(user))).toBeGreaterThan(0); // the head looks the way the bust does
+  const rotations = user.page.getByRole("group", { name: "Rotations of pair 1" }).getByRole("button");
+  expect(await rotations.first().getAttribute("aria-pressed")).toBe("true");
+  await user.screenshot("graft-rotations");
+  const back = rotations.filter({ hasText: /^-?1[78]\d°/ }).first();
+  await back.click();
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.pairs.value[0]?.start !== undefined);
+  expect(await turnOf(await grafted(user))).toBeLessThan(0);
+  expect(await back.getAttribute("aria-pressed")).toBe("true");
+  await user.rests();
+  await user.screenshot("graft-rotated");
+  await user.press("Control+z");
+  await user.page.waitForFunction(() => window.meshgraft.editor.graft.pairs.value[0]?.start === undefined);
+  expect(await turnOf(await grafted(user))).toBeGreaterThan(0);
+  expect(await rotations.first().getAttribute("aria-pressed")).toBe("true");
+  expect(user.complaints).toEqual([]);
+});
+
 test("shows how the seam bends, and the result's edges", async () => {
   const { user } = await openWithPart("bust", "head", 40, true);
   const report = await grafted(user);

@@ -14,7 +14,7 @@ function nextAction(graft: Graft): string | undefined {
   const waiting = graft.parts.value.filter((part) => graft.isShown(part));
   if (waiting.length === 0) return undefined;
   const open = waiting.filter((part) => part.loops > 0);
-  if (open.length === 0) return "The part has no open boundary: cut it open first";
+  if (open.length === 0) return "The part is closed: drop it on the surface, or cut it open";
   if ((graft.model.value?.loops ?? 0) === 0)
     return "The model has no open boundary: cut it open, or drop the part on its surface";
   return graft.picked.value === null
