@@ -102,7 +102,9 @@ class Edit:
         else:
             self._meshes[name] = adapt(mesh, name).mesh
             self._json["inputs"][name] = {"file": f"{name}.ply"}
-        self._json["inputs"][name].update(_texts.orientation_spec(up, front, "input"))
+        if (up is None) != (front is None):
+            raise ValueError("input: up and front go together")
+        self._json["inputs"][name].update(_texts.orientation_spec(None if up is None else (up, front), "input"))
         return self
 
     def _in_folder(self, path: str) -> str:

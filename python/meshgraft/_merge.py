@@ -132,7 +132,7 @@ def _run(name: str, target: M, source: Any, arguments: Mapping[str, Any], *, str
     adapted = adapt(target, "target")
     own, part = adapted.mesh, adapt(source, "source").mesh
     step = merge_step("target", "source", (len(own), len(part)), arguments)
-    orientations = {side: _texts.orientation_spec(*arguments.get(f"{side}_orientation") or (None, None), f"{side}_orientation")
+    orientations = {side: _texts.orientation_spec(arguments.get(f"{side}_orientation"), f"{side}_orientation")
                     for side in ("target", "source")}
     edit = _texts.given_step(step, {"target": own, "source": part}, name=name, orientations=orientations)
     options = {"estimate_condition": False, "strict": strict, "keep": [], "memory": None}

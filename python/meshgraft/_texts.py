@@ -102,12 +102,14 @@ def given_step(step: Mapping[str, Any], meshes: Mapping[str, Any], *, name: str,
     return given(edit, meshes, name=name, of_step=True)
 
 
-def orientation_spec(up: Direction | None, front: Direction | None, name: str) -> dict[str, Any]:
-    """Returns the fields of an input that tell how a model stands."""
-    if (up is None) != (front is None):
-        raise ValueError(f"{name}: up and front go together")
-    named = {"up": up, "front": front} if up is not None else {}
-    return {key: value if isinstance(value, str) else _arrays.vector(value, key).tolist() for key, value in named.items()}
+def orientation_spec(orientation: Any, name: str) -> dict[str, Any]:
+    """Returns the fields of an input that tell how a model stands, of a pair (up, front) or None."""
+    if orientation is None:
+        return {}
+    if isinstance(orientation, str) or not hasattr(orientation, "__len__") or len(orientation) != 2:
+        raise ValueError(f"{name}: expected (up, front)")
+    return {field: value if isinstance(value, str) else _arrays.vector(value, name).tolist()
+            for field, value in zip(("up", "front"), orientation)}
 
 
 def require_known(settings: Collection[str], known: Collection[str]) -> None:

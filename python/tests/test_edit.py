@@ -317,11 +317,31 @@ def test_what_no_step_has_made_is_an_error(bar):
         mg.select.produced("a", "b")(bar)
 
 
-def test_starts_are_told_in_the_order_in_which_they_are_given():
-    with pytest.raises(mg.Error, match="matches") as error:
-        mg.merge(mg.sample("posts", 24), mg.sample("bracket", 24), pairs=[(i, i) for i in range(4)])
-    fields = error.value.fields
-    assert f"matches=[({fields['target']}, {fields['source']})]" in error.value.remedy
+def test_starts_that_are_found_can_be_given():
+    bust, head = mg.sample("bust", 24), mg.sample("head", 24)
+    found = mg.merge(bust, head)
+    starts = found.report.pairs[0].starts
+    assert 1 < len(starts) <= 5
+    assert [start.probability for start in starts] == sorted((start.probability for start in starts), reverse=True)
+    given = mg.merge(bust, head, matches=[(starts[0].start.target, starts[0].start.source)])
+    assert np.array_equal(given.mesh.vertices, found.mesh.vertices)
+    assert len(given.report.pairs[0].starts) == 0
+
+
+def test_what_is_known_of_up_and_front_turns_a_part():
+    bust, head = mg.sample("bust", 24), mg.sample("head", 24)
+    for front, seen in ((("z", "-y"), 1), (((0, 0, 2), (0, 3, 0)), -1)):
+        result = mg.merge(bust, head, target_orientation=("z", "-y"), source_orientation=front)
+        assert np.sign(result.report.shape.similarity.rotation[0, 0]) == seen
+    edit = mg.Edit().input("bust", bust, up="z", front="-y").input("head", head, up="z", front=(0, 1, 0))
+    report = edit.merge("bust", "head").run().report
+    assert report.steps[0].merge.report.shape.similarity.rotation[0, 0] < 0
+    with pytest.raises(ValueError, match="go together"):
+        mg.Edit().input("bust", bust, up="z")
+    with pytest.raises(ValueError, match="expected \\(up, front\\)"):
+        mg.merge(bust, head, source_orientation=("z",))
+    with pytest.raises(mg.InputError, match="no orientation"):
+        mg.merge(bust, head, source_orientation=("z", "-z"))
 
 
 def test_large_integers_are_kept_or_refused(bar):

@@ -156,25 +156,39 @@ DropResult drop_opened(const Mesh& target, const Mesh& source, const OpenedSourc
   return dropped;
 }
 
+/// Counts the pairs of faces of a result that intersect and are new, or touch the seam or the band. A source
+/// with intersections of its own may lose some and get others at the seam.
+std::int64_t intersections_at_seam_or_new(const DropResult& dropped, const Context& context) {
+  const auto& [result, source] = dropped.intersections;
+  if (result == 0) return 0;
+  const Mesh& mesh = dropped.merge.mesh;
+  std::vector<Index> near = dropped.merge.band;
+  for (const Index face : dropped.merge.new_faces)
+    near.insert(near.end(), mesh.faces[face].begin(), mesh.faces[face].end());
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return std::max(result - source, count_pairs(mesh, near, context));
+}
+
 /// Drops of a closed source by several planes, of which the best one is kept.
 struct BestDrop {
   std::optional<DropResult> result;
   std::size_t plane = 0;
+  std::int64_t faults = 0;       ///< of the result
   std::optional<Error> refusal;  ///< the first one
 
-  static std::int64_t new_pairs(const DropResult& dropped) {
-    return std::max<std::int64_t>(0, dropped.intersections.result - dropped.intersections.source);
-  }
-  bool is_good() const { return result && new_pairs(*result) == 0; }
+  bool is_good() const { return result && faults == 0; }
   /// Returns whether the undeformed source reaches into the target, whatever opens it.
   bool reaches_in() const {
     return result && std::any_of(result->notes.begin(), result->notes.end(), [](const Note& note) {
              return note.id() == facts::merge::SourceReachesIn::id;
            });
   }
-  void take(DropResult dropped, std::size_t index) {
-    if (result && new_pairs(dropped) >= new_pairs(*result)) return;
+  void take(DropResult dropped, std::size_t index, const Context& context) {
+    const std::int64_t found = intersections_at_seam_or_new(dropped, context);
+    if (result && found >= faults) return;
     result = std::move(dropped);
+    faults = found;
     plane = index;
   }
 };
@@ -191,7 +205,7 @@ DropResult drop_closed_source(const Mesh& target, const Mesh& source, const Drop
     try {
       const OpenedSource opened = search.open(planes[plane], context);
       const int tries = most_tries == 0 || opened.loops.size() == 1 ? most_tries : 2 * most_tries;
-      best.take(drop_opened(target, source, opened, drop, options, tries, context), plane);
+      best.take(drop_opened(target, source, opened, drop, options, tries, context), plane, context);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
       if (!best.refusal) best.refusal = error;

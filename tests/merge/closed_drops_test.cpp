@@ -40,7 +40,7 @@ std::string name_of(const testing::TestParamInfo<std::pair<int, int>>& info) {
 INSTANTIATE_TEST_SUITE_P(Models, ClosedDrops,
                          testing::Values(std::pair(0, 0), std::pair(1, 4), std::pair(2, 1), std::pair(3, 2),
                                          std::pair(4, 3), std::pair(5, 0), std::pair(6, 4), std::pair(7, 3),
-                                         std::pair(8, 2), std::pair(9, 1), std::pair(3, 3), std::pair(5, 3)),
+                                         std::pair(8, 2), std::pair(9, 1), std::pair(3, 3), std::pair(5, 2)),
                          name_of);
 
 TEST(ClosedDrop, NamesVerticesAsTheClosedSourceDoes) {

@@ -35,8 +35,15 @@ export class GraftStarts {
     return verticesOfMatch(pair.start) ?? this.found.get(this.keyOf(pair)) ?? verticesOfMatch(reported);
   }
 
-  /** Returns the starts that the user may have meant, the most probable first, as the engine told them last. */
-  candidatesOf(pair: Pair): readonly StartCandidate[] {
+  /**
+   * Returns the starts that the user may have meant, the most probable first, as the engine told them last. It tells none
+   * for a start that is given, so they are kept to be chosen from.
+   */
+  candidatesOf(index: number): readonly StartCandidate[] {
+    const pair = this.graft.pairs.value[index];
+    if (pair === undefined) return [];
+    const told = this.graft.report.value?.pairs?.[index]?.starts ?? [];
+    if (told.length > 0) this.candidates.set(this.keyOf(pair), told);
     return this.candidates.get(this.keyOf(pair)) ?? [];
   }
 
@@ -65,8 +72,6 @@ export class GraftStarts {
       const start = verticesOfMatch(report.pairs?.[i]?.start);
       if (start !== undefined && pair.start === undefined && pair.matches.length === 0)
         this.found.set(this.keyOf(pair), start);
-      const candidates = report.pairs?.[i]?.starts ?? [];
-      if (candidates.length > 0) this.candidates.set(this.keyOf(pair), candidates);
     });
   }
 

@@ -4,7 +4,7 @@ import type { Page } from "../../app/page";
 /** The rotations that a user may have meant for a pair, each a button; nothing where there is one. */
 export function Rotations({ page, index, pair }: { page: Page; index: number; pair: Pair }) {
   const { graft } = page.editor;
-  const candidates = graft.starts.candidatesOf(pair);
+  const candidates = graft.starts.candidatesOf(index);
   if (candidates.length < 2) return null;
   const choose = (start: StartCandidate["start"] | undefined) =>
     void graft.setPairs(graft.pairs.value.map((other, i) => (i === index ? { ...other, start, matches: [] } : other)));
