@@ -153,6 +153,7 @@ bool common_similarity(std::span<const Samples> sources, std::span<const Samples
 struct StartCost {
   double points = 0, both = 0;
 };
+using CostOf = double StartCost::*;
 
 /// Returns the cost of a start at a pair of vertices, evaluated at the source loop vertices and their target
 /// points. It is the exact value that the profile samples. With a pose, that of the points alone is not
@@ -195,16 +196,16 @@ struct VertexStart {
   StartCost cost;
 };
 
-/// Returns the start at a pair of vertices that fits best among those within one sample of a shift. Where no
-/// vertices are that near, the nearest ones are taken.
-VertexStart start_at_vertices(int shift, const PairGeometry& pair, const Similarity* pose) {
+/// Returns the start at a pair of vertices that fits best, by one of the costs, among those within one sample
+/// of a shift. Where no vertices are that near, the nearest ones are taken.
+VertexStart start_at_vertices(int shift, const PairGeometry& pair, const Similarity* pose,
+                              CostOf compared = &StartCost::both) {
   constexpr Index candidates = 64;
   constexpr double near = 1.0 / sample_count;  // of a turn
   const LoopCurve source_curve(pair.source.points), target_curve(pair.target.points);
   const Index count = source_curve.size(), target_count = target_curve.size();
   VertexStart best;
-  best.cost.both = std::numeric_limits<double>::infinity();
-  double least_distance = best.cost.both;
+  double least_distance = std::numeric_limits<double>::infinity();
   for (Index c = 0; c < std::min(count, candidates); ++c) {
     const auto i = static_cast<Index>(static_cast<std::int64_t>(c) * count / std::min(count, candidates));
     const double turn = source_curve.arc(i) / source_curve.length() + static_cast<double>(shift) / sample_count;
@@ -217,7 +218,7 @@ VertexStart start_at_vertices(int shift, const PairGeometry& pair, const Similar
       if (distance > least_distance) continue;
       std::vector<double> parameters = parameters_between({&start, 1}, source_curve, target_curve);
       const StartCost cost = cost_of(parameters, pair.source, pair.target, pose);
-      if (distance == least_distance && cost.both >= best.cost.both) continue;
+      if (distance == least_distance && cost.*compared >= best.cost.*compared) continue;
       least_distance = distance;
       best.cost = cost;
       best.correspondence.loop_parameter = std::move(parameters);
@@ -234,7 +235,7 @@ void mark_coincidences(std::vector<LoopFit>& fits, const PairGeometry& pair) {
     const double cost = fits[k].point_cost;
     if (cost <= fits[(k + 1) % sample_count].point_cost &&
         cost <= fits[(k + sample_count - 1) % sample_count].point_cost)
-      fits[k].coincides = start_at_vertices(k, pair, nullptr).cost.points < rounding;
+      fits[k].coincides = start_at_vertices(k, pair, nullptr, &StartCost::points).cost.points < rounding;
   }
 }
 
