@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -63,6 +64,8 @@ std::vector<NumberedPair> numbered_pairs(const LoopsOfMesh& target, const LoopsO
   std::vector<NumberedPair> pairs;
   for (const std::string& text : arguments.pairs) pairs.push_back(index_pair(text, "--pair"));
   if (pairs.empty() && target.loops.size() == 1 && source.loops.size() == 1) pairs.push_back({0, 0});
+  for (const auto& [mesh, path] : {std::pair(&target, &arguments.mesh), {&source, &arguments.source}})
+    if (mesh->loops.empty()) throw Error(facts::cli::ClosedMesh{}, *path);
   if (pairs.empty())
     throw Error(facts::cli::LoopsToPair{.target = target.loops.size(), .source = source.loops.size()},
                 "--pair");
@@ -117,6 +120,10 @@ void list_starts(const LoopsOfMesh& target, const LoopsOfMesh& source, const Loo
 
 void run_loops(const LoopsArguments& arguments, Context context) {
   context.memory = arguments.memory;
+  for (const auto& [given, option] : {std::pair(!arguments.pairs.empty(), "--pair"),
+                                      {!arguments.upright.empty(), "--upright"},
+                                      {arguments.fix_winding, "--fix-winding"}})
+    if (given && !arguments.starts) throw Error(facts::cli::OptionNeeds{.option = option, .other = "--starts"});
   if (arguments.starts == arguments.source.empty()) throw Error(facts::cli::StartsNeedSource{}, "--starts");
   const LoopsOfMesh mesh = read_loops(arguments.mesh, context);
   if (arguments.source.empty())

@@ -8,6 +8,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/quality.h>
+#include <meshgraft/mesh/topology.h>
 
 #include "drop_size.h"
 #include "merge/facts.h"
@@ -193,11 +194,15 @@ struct BestDrop {
   }
 };
 
-/// Opens a closed source at its base and drops it. Further planes are tried as long as the drop is refused or
-/// the result intersects itself; then smaller sizes by the best plane.
+/// Opens a closed source at its base and drops it. As long as the drop is refused or the result intersects
+/// itself, further planes of the side that it stands on are tried, then smaller sizes by the best plane, then
+/// another side.
 DropResult drop_closed_source(const Mesh& target, const Mesh& source, const Drop& drop,
                               const MergeOptions& options, const Context& context) {
   context.step("open");
+  Index pieces = 0;
+  connected_components(source, &pieces);
+  if (pieces > 1) throw Error(facts::merge::ClosedSourceInPieces{.pieces = pieces}, "base");
   const BaseSearch search(source, drop.base);
   const std::vector<BasePlane>& planes = search.planes();
   BestDrop best;
@@ -211,12 +216,20 @@ DropResult drop_closed_source(const Mesh& target, const Mesh& source, const Drop
       if (!best.refusal) best.refusal = error;
     }
   };
-  for (std::size_t plane = 0; plane < planes.size() && !best.is_good() && !best.reaches_in(); ++plane)
-    try_plane(plane, 0);
-  if (!best.is_good() && !best.reaches_in()) try_plane(best.plane, most_size_tries);
+  const auto stands = [&](std::size_t plane) {  // on the first side
+    return planes[plane].plane.normal == planes.front().plane.normal;
+  };
+  for (const bool standing : {true, false}) {
+    for (std::size_t plane = 0; plane < planes.size() && !best.is_good() && !best.reaches_in(); ++plane)
+      if (stands(plane) == standing) try_plane(plane, 0);
+    if (!best.is_good() && !best.reaches_in() && stands(best.plane) == standing)
+      try_plane(best.plane, most_size_tries);
+  }
   if (!best.result) throw Error(*best.refusal);
   DropResult& found = *best.result;
-  if (found.base->loops < planes.front().loops)
+  if (!stands(best.plane))
+    found.notes.push_back(facts::merge::LaidOnAnotherSide{});
+  else if (found.base->loops < planes.front().loops)
     found.notes.push_back(facts::merge::FewerFeetUsed{.feet = planes.front().loops, .used = found.base->loops});
   return std::move(found);
 }

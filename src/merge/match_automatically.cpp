@@ -228,14 +228,31 @@ VertexStart start_at_vertices(int shift, const PairGeometry& pair, const Similar
   return best;
 }
 
-/// Marks the starts from which the loops' vertices coincide, as those of the two sides of one cut do.
+/// Returns the largest distance of a source vertex, as given, from its location on the target, × the radius.
+double distance_as_given(const Correspondence& correspondence, const PairGeometry& pair) {
+  const Points& points = pair.source.points;
+  double farthest = 0;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    farthest = std::max(
+        farthest, (at(pair.target.points, correspondence.loop_parameter[i]) - points.row(i)).squaredNorm());
+  const double radius = (points.rowwise() - points.colwise().mean()).rowwise().squaredNorm().mean();
+  return std::sqrt(farthest / radius);
+}
+
+/// Marks the starts from which the loops' vertices coincide, as those of the two sides of one cut do. Where
+/// they coincide as given, that start alone is marked.
 void mark_coincidences(std::vector<LoopFit>& fits, const PairGeometry& pair) {
-  constexpr double rounding = 1e-10;
+  constexpr double rounding = 1e-10, rounding_as_given = 1e-9;
   for (int k = 0; k < sample_count; ++k) {
     const double cost = fits[k].point_cost;
     if (cost <= fits[(k + 1) % sample_count].point_cost &&
-        cost <= fits[(k + sample_count - 1) % sample_count].point_cost)
-      fits[k].coincides = start_at_vertices(k, pair, nullptr, &StartCost::points).cost.points < rounding;
+        cost <= fits[(k + sample_count - 1) % sample_count].point_cost) {
+      const VertexStart start = start_at_vertices(k, pair, nullptr, &StartCost::points);
+      fits[k].coincides = start.cost.points < rounding;
+      if (!fits[k].coincides || distance_as_given(start.correspondence, pair) > rounding_as_given) continue;
+      for (int other = 0; other < sample_count; ++other) fits[other].coincides = other == k;
+      return;
+    }
   }
 }
 

@@ -10,7 +10,7 @@ namespace {
 // "Shape").
 // Chosen: four times the 6.2° that loops of the tasks have at most.
 constexpr double ragged_deg = 25;
-// Chosen: about what the worst half of the starts in docs/merging.md, "Starts", have at most.
+// Chosen: the first start is hardly more probable than all others together.
 constexpr double unsure = 0.6;
 // Chosen, × the radius: about the most that loops of the tasks have (0.29), but for the CAD part's.
 constexpr double unlike = 0.25;

@@ -111,7 +111,7 @@ std::vector<RankedShift> rank_starts(std::span<const LoopFit> fits, const LoopOr
     for (int i = -reach; i <= reach; ++i)
       if (const int k = cyclic(centre + i); !taken[k] && probability[k] > probability[best]) best = k;
     starts.push_back({best, around[centre]});
-    for (int i = -2 * reach; i <= 2 * reach; ++i) taken[cyclic(best + i)] = true;
+    for (int i = -2 * reach; i <= 2 * reach; ++i) taken[cyclic(centre + i)] = taken[cyclic(best + i)] = true;
   }
   return starts;
 }

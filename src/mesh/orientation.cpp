@@ -21,7 +21,7 @@ namespace {
 
 constexpr Eigen::Index sample_count = 2500;
 
-// Weights of the evidence, in nats. They were fitted, together with those in merge/loop_orientation.cpp, to 952
+// Weights of the evidence, in nats. They were fitted, together with those in merge/start_candidates.cpp, to
 // grafts of models with a known orientation (docs/merging.md, "Starts").
 constexpr double usual_up = 1.9, usual_front = 1.5;
 constexpr double asymmetry_weight = 32;  // per distance between mirrored samples, × the RMS radius

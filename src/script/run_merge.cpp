@@ -268,6 +268,7 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
       result = std::move(dropped.merge);
       outcome.options = dropped.options;
       outcome.base = dropped.base;
+      if (outcome.base) outcome.base->height /= std::cbrt(std::abs(outcome.posing.linear().determinant()));
       report.notes = std::move(dropped.notes);
       outcome.intersections = dropped.intersections;
     } else {

@@ -116,6 +116,40 @@ TEST(MatchAutomatically, VerticesThatCoincideDecideBetweenStartsThatFitAlike) {
   }
 }
 
+TEST(MatchAutomatically, LoopsThatCoincideAsGivenStayAsTheyAre) {
+  // A regular polygon coincides from each of its vertices; guesses that want another turn do not matter.
+  LoopGeometry loop{Points(32, 3), Points(32, 3)};
+  for (int k = 0; k < 32; ++k) {
+    const double angle = 2 * std::numbers::pi * k / 32;
+    loop.points.row(k) << std::cos(angle), std::sin(angle), 0;
+  }
+  loop.normals = loop.points;
+  const PairGeometry pair = planted_pair(loop, 9);
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const std::vector<OrientationGuess> one{{make_orientation(up, {1, 0, 0}), 0.99},
+                                          {make_orientation(up, {0, 1, 0}), 0.01}},
+      other{{make_orientation(up, {-1, 0, 0}), 0.99}, {make_orientation(up, {0, 1, 0}), 0.01}};
+  const Correspondence found = match_automatically({&pair, 1}, false, {one, other})[0];
+  for (Index i = 0; i < 32; ++i)
+    EXPECT_LT(test::parameter_distance(found.loop_parameter[i], 32 - 1 - i - 9, 32), 1e-9);
+}
+
+TEST(MatchAutomatically, ProbabilitiesAddUpToOneAtMost) {
+  for (const int tips : {0, 2, 3, 5, 7})
+    for (const int count : {31, 60, 87})
+      for (const double turn : {0.3, 1.1, 2.4}) {
+        PairGeometry pair = test::numbered_pair(star(tips), test::reversed_loop(star(tips + 2, count)));
+        const OrientationGuess here{make_orientation(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()), 0.6};
+        const OrientationGuess there{
+            make_orientation(Eigen::Vector3d::UnitZ(), {std::cos(turn), std::sin(turn), 0}), 0.4};
+        double sum = 0;
+        for (const StartCandidate& start :
+             match_automatically({&pair, 1}, false, {{here, there}, {here, there}})[0].starts)
+          sum += start.probability;
+        EXPECT_LE(sum, 1 + 1e-9);
+      }
+}
+
 TEST(MatchAutomatically, KnownOrientationsDecideBetweenStartsThatFitAlike) {
   for (const int tips : {0, 2, 3, 5}) {
     const PairGeometry pair = planted_pair(star(tips), 11);

@@ -70,7 +70,8 @@ struct DropResult {
 /// near its loop until it is level with the surface. Where this turns it inside out and no normal angle is
 /// given, it bends half as far, or not at all.
 ///
-/// Without `source_loop` the source is opened first: a plane cuts off its base (`DropBase`). Each loop of the
+/// A closed source is opened first: a plane cuts off its base (`DropBase`). So is one with loops of which none is
+/// named, and one for which values of a base are given. Each loop of the
 /// section meets the surface, so that a source may stand on several feet. Without a
 /// height, up to five planes are tried until the drop is possible and the result has no new intersections.
 /// Vertices that were cut away map to -1, and in `grafted` they follow the similarity of the others; reported

@@ -123,7 +123,7 @@ struct MergeOptions {
 
 /// The plane that opens a closed source before it is dropped. Its normal, up, points from the base into the
 /// source. Without values the library finds the base: a flat side of the source, the lowest one first, else
-/// the lowest plane that cuts clean round loops.
+/// a low plane that cuts clean round loops.
 struct DropBase {
   /// Height of the plane above the source's lowest point along up, in units of the source. Absent: the
   /// lowest height that gives clean loops.

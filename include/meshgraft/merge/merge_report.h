@@ -73,7 +73,7 @@ struct BaseReport {
   double height = 0;   ///< of `point` above the lowest point along up, before the tilt; units of the source
   bool flat = false;   ///< the source has a flat side below the plane
   Index loops = 0;     ///< loops that meet the surface
-  Index cut_away = 0;  ///< vertices of the source below the plane
+  Index cut_away = 0;  ///< vertices of the source that were removed with its base
 };
 
 struct MergeReport {

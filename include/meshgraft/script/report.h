@@ -85,7 +85,7 @@ struct MergeOutcome {
   std::vector<Index> new_faces;
   Points grafted;  ///< the source's positions after the solve, before the seam (n×3)
   MergeIntersections intersections;
-  /// The plane that opened a closed source, in its coordinates after the pose.
+  /// The plane that opened a closed source, in its coordinates after the pose; its height in units of before.
   std::optional<BaseReport> base;
 };
 

@@ -68,9 +68,12 @@ test("loops are paired without a start, and the rotations that the engine tells 
   const report = { event: "graft", graft: 1, pairs: [{ start: [1, 2], confidence: 0.6, starts }] };
   graft.onEvent(report as unknown as GraftReport);
   expect(graft.starts.candidatesOf(0)).toEqual(starts);
-  await graft.setPairs([{ ...graft.pairs.value[0]!, start: [3, 4] }]);
+  state.value = documentWith({ source: "arms", target: "body", pairs: [{ ...loops, start: [3, 4] }] });
   graft.onEvent({ ...report, graft: 2, pairs: [{ start: [3, 4], confidence: 1, starts: [] }] } as unknown as GraftReport);
   expect(graft.starts.candidatesOf(0)).toEqual(starts); // they stay to be chosen from
+  state.value = documentWith({ source: "arms", target: "body", pairs: [loops, loops] });
+  graft.onEvent({ ...report, graft: 3, pairs: [{ start: [5, 6], confidence: 1, starts: [] }] } as unknown as GraftReport);
+  expect(graft.starts.candidatesOf(0)).toEqual([]); // another pair determines the start
 });
 
 test("a part with pieces that are not paired yet says how many pairs are to go, and no error", () => {

@@ -6,7 +6,14 @@ const anotherBase = "Drag Base to another height, or cut the part open first.";
 /** The page's words on the bases at which closed parts are cut open. */
 export const baseWords: { [Id in FactId]?: (fields: FactFields[Id]) => { problem?: string; remedy?: string } } = {
   "merge.base_cut": ({ loops, height }) => ({
-    problem: `the part is closed, so it was cut open ${formatNumber(height, 4)} above its lowest point, in ${counted(loops, "loop")}`,
+    problem: `the part was cut open ${formatNumber(height, 4)} above its lowest point, in ${counted(loops, "loop")}`,
+  }),
+  "merge.closed_source_in_pieces": ({ pieces }) => ({
+    problem: `the part is closed and consists of ${pieces} separate surfaces, which one cut cannot open`,
+    remedy: "Drop them one by one, or unite them first in another program.",
+  }),
+  "merge.laid_on_another_side": () => ({
+    problem: "the part does not go well on the side that it stands on there, so it was laid on another side; a smaller size or another place may help",
   }),
   "merge.base_cuts_open_chain": () => ({
     problem: "the plane that cuts the part open meets a hole of it",

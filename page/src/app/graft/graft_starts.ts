@@ -1,5 +1,5 @@
 import type { GraftReport, ShownLoop, MeshObject } from "./graft_types";
-import { verticesOfMatch, type MatchedVertices, type Pair, type StartCandidate } from "./graft_step";
+import { verticesOfMatch, type GraftStep, type MatchedVertices, type Pair, type StartCandidate } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
 /** The signals of a graft that `GraftStarts` reads. */
@@ -7,6 +7,7 @@ interface PairedLoops {
   readonly source: { readonly value: MeshObject | undefined };
   readonly target: { readonly value: MeshObject | undefined };
   readonly pairs: { readonly value: readonly Pair[] };
+  readonly step: { readonly value: GraftStep | undefined };
   readonly loops: { readonly value: ReadonlyMap<number, readonly ShownLoop[]> };
   readonly report: { readonly value: GraftReport | null };
 }
@@ -42,9 +43,12 @@ export class GraftStarts {
   candidatesOf(index: number): readonly StartCandidate[] {
     const pair = this.graft.pairs.value[index];
     if (pair === undefined) return [];
-    const told = this.graft.report.value?.pairs?.[index]?.starts ?? [];
-    if (told.length > 0) this.candidates.set(this.keyOf(pair), told);
-    return this.candidates.get(this.keyOf(pair)) ?? [];
+    const step = this.graft.step.value;
+    const key = [this.keyOf(pair), step?.pose, JSON.stringify(step?.mirror)].join(" ");
+    const told = this.graft.report.value?.pairs?.[index]?.starts;
+    const isFound = pair.start === undefined && pair.matches.length === 0;
+    if (told !== undefined && (told.length > 0 || isFound)) this.candidates.set(key, told);
+    return this.candidates.get(key) ?? [];
   }
 
   /** Returns the twist of a pair relative to the found start, in degrees along the loop. */

@@ -37,8 +37,8 @@ export function GraftNumbers({ step, foundSize, foundBase, drag, keep, twist }: 
         onChange={(value) => keep({ normal_angle_deg: value === 0 ? null : value })}
       />
       {step.at === undefined ? twist : <Spin step={step} drag={drag} keep={keep} />}
-      {step.at !== undefined && foundBase !== undefined && (
-        <BaseHeight step={step} found={foundBase} drag={drag} keep={keep} />
+      {step.at !== undefined && (foundBase ?? step.at.base?.height) !== undefined && (
+        <BaseHeight step={step} found={foundBase ?? step.at.base!.height!} drag={drag} keep={keep} />
       )}
       {(step.pose === "find" || step.at !== undefined) && (
         <div class="size-row">

@@ -1,6 +1,9 @@
 import type { Pair, StartCandidate } from "../../app/graft/graft_step";
 import type { Page } from "../../app/page";
 
+/** Returns the angle that the slider Twist shows for a turn; it counts the other way. */
+const twistOf = (turnDeg: number) => (turnDeg <= -180 ? 180 : Math.round(-turnDeg) || 0);
+
 /** The rotations that a user may have meant for a pair, each a button; nothing where there is one. */
 export function Rotations({ page, index, pair }: { page: Page; index: number; pair: Pair }) {
   const { graft } = page.editor;
@@ -20,7 +23,7 @@ export function Rotations({ page, index, pair }: { page: Page; index: number; pa
           data-tip={i === 0 ? "The likeliest rotation" : "Rotates the part to this angle from the likeliest rotation"}
           onClick={() => choose(i === 0 ? undefined : start)}
         >
-          {`${Math.round(turn_deg)}°`} <small>{`${Math.round(100 * probability)} %`}</small>
+          {`${twistOf(turn_deg)}°`} <small>{`${Math.round(100 * probability)} %`}</small>
         </button>
       ))}
     </div>
