@@ -138,14 +138,13 @@ TEST(MatchAutomatically, ProbabilitiesAddUpToOneAtMost) {
   for (const int tips : {0, 2, 3, 5, 7})
     for (const int count : {31, 60, 87})
       for (const double turn : {0.3, 1.1, 2.4}) {
-        PairGeometry pair = test::numbered_pair(star(tips), test::reversed_loop(star(tips + 2, count)));
+        const PairGeometry pair = test::numbered_pair(star(tips), test::reversed_loop(star(tips + 2, count)));
         const OrientationGuess here{make_orientation(Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()), 0.6};
         const OrientationGuess there{
             make_orientation(Eigen::Vector3d::UnitZ(), {std::cos(turn), std::sin(turn), 0}), 0.4};
+        const Correspondence found = match_automatically({&pair, 1}, false, {{here, there}, {here, there}})[0];
         double sum = 0;
-        for (const StartCandidate& start :
-             match_automatically({&pair, 1}, false, {{here, there}, {here, there}})[0].starts)
-          sum += start.probability;
+        for (const StartCandidate& start : found.starts) sum += start.probability;
         EXPECT_LE(sum, 1 + 1e-9);
       }
 }
