@@ -6,6 +6,7 @@
 
 #include "mesh_messages.h"
 #include "script/fact_json.h"
+#include "script/report_json.h"
 
 namespace meshgraft::editor {
 
@@ -47,16 +48,9 @@ void add_lines(BinaryMessage& message, const MergeReport& report, const Eigen::R
 Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
 
 Json pair_summary(const PairReport& pair) {
-  Json starts = Json::array();
-  for (const auto& [start, probability, turn_deg] : pair.starts)
-    starts.push_back(
-        {{"start", {start.source, start.target}}, {"probability", probability}, {"turn_deg", turn_deg}});
-  return {{"start", start_json(pair)},
-          {"confidence", pair.confidence},
-          {"starts", starts},
-          {"misfit_rel", pair.misfit_rel},
-          {"edge_ratio", pair.edge_ratio},
-          {"raggedness_deg", pair.raggedness_deg}};
+  return {{"start", start_json(pair)},          {"confidence", pair.confidence},
+          {"starts", starts_json(pair.starts)}, {"misfit_rel", pair.misfit_rel},
+          {"edge_ratio", pair.edge_ratio},      {"raggedness_deg", pair.raggedness_deg}};
 }
 
 Json seam_summary(const SeamReport& seam) {

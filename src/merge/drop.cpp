@@ -88,10 +88,8 @@ DropResult drop_open_source(const Mesh& target, const Mesh& source,
                 "surface_point");
   // Composes the target's map from the closed target, before the hole was cut.
   IndexMap& map = best.drop.merge.target;
-  IndexMap from_closed = best.hole.vertex;
-  for (Index& v : from_closed.new_index)
-    if (v >= 0) v = map.new_index[v];
-  map = std::move(from_closed);
+  compose(best.hole.vertex, map);
+  map = std::move(best.hole.vertex);
   return std::move(best.drop);
 }
 

@@ -30,11 +30,6 @@ struct Standing {
   const FlatLoop& hull;
 };
 
-void compose(IndexMap& map, const IndexMap& next) {
-  for (Index& v : map.new_index)
-    if (v >= 0) v = next.new_index[v];
-}
-
 /// Renames the pairs' target vertices after a further hole was opened. Returns false where the hole met
 /// another one.
 bool rename_targets(std::vector<MergePair>& pairs, const IndexMap& vertex, const Mesh& target) {
@@ -68,11 +63,10 @@ HolesOrReason open_for_feet(const Standing& standing, const Drop& drop, double s
     const FlatLoop posed = moved(foot, map);
     const auto current = std::make_shared<const Mesh>(std::move(holes.target));
     const PreparedTarget prepared(current, context);
-    Drop here{.surface_point = Eigen::Vector3d(posed.centre.transpose()), .size = 1};
     const SurfacePoint below = find_nearest_point(prepared, posed.centre);
     if ((below.point - posed.centre).norm() > most_above * size * standing.hull.outline.width())
       return Note(facts::merge::FootBesideSurface{.size = size});
-    here.surface_point = Eigen::Vector3d(below.point.transpose());
+    const Drop here{.surface_point = Eigen::Vector3d(below.point.transpose()), .size = 1};
     auto opened = open_hole_for_loop(*current, posed, here, context);
     if (auto* reason = std::get_if<Note>(&opened)) return std::move(*reason);
     OpenedHole& hole = std::get<OpenedHole>(opened);
@@ -109,6 +103,11 @@ OpenedHoles open_several(const Mesh& target, const Mesh& source, const std::vect
 }
 
 }  // namespace
+
+void compose(IndexMap& map, const IndexMap& next) {
+  for (Index& v : map.new_index)
+    if (v >= 0) v = next.new_index[v];
+}
 
 OpenedHoles open_holes(const Mesh& target, const Mesh& source, const std::vector<std::vector<Index>>& loops,
                        const Drop& drop, const Context& context) {

@@ -21,6 +21,9 @@ struct OpenedHoles {
   std::vector<Note> notes;
 };
 
+/// Replaces the new indices of a map by those that a further change gives them.
+void compose(IndexMap& map, const IndexMap& next);
+
 /// Opens a hole for each of a source's loops. One loop goes where `open_hole` puts it. A source with several
 /// loops is placed by their convex hull, undeformed. Then each loop gets a hole around the point of the surface
 /// that is nearest to its centre. Without a given size, up to ten smaller ones are tried.

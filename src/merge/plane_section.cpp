@@ -65,7 +65,6 @@ PlaneSection PlaneSections::at(const Eigen::Vector3d& up, double height) const {
     if (above(a) && above(b)) pieces.unite(a, b);
     if (above(a) != above(b)) start_edges.push_back(e);
   }
-  section.below = static_cast<Index>((values.array() < 0).count());
   Flags seen(table_.edge_count(), 0);
   std::set<Index> with_loop;
   // With the surface above at its left, a loop enters each triangle by the half-edge that leads up.

@@ -27,14 +27,13 @@ struct PlaneSection {
   std::vector<SectionLoop> loops;  ///< the largest first
   bool closed = true;              ///< no curve ends at a boundary
   Index pieces = 0;                ///< connected pieces of the surface above that have a loop
-  Index below = 0;                 ///< vertices below
 };
 
 /// Computes sections of a surface by planes, without cutting it. The constructor does the work that all planes
 /// share.
 class PlaneSections {
  public:
-  /// Of an inward-facing mesh the areas and normals are reversed.
+  /// Reverses the areas and normals of an inward-facing mesh.
   explicit PlaneSections(const Mesh& mesh);
 
   PlaneSection at(const Eigen::Vector3d& up, double height) const;

@@ -99,15 +99,11 @@ void add_quality(Json& json, const Report& report) {
 }
 
 Json pair_json(const PairReport& pair) {
-  Json starts = Json::array();
-  for (const auto& [start, probability, turn_deg] : pair.starts)
-    starts.push_back(
-        {{"start", {start.source, start.target}}, {"probability", probability}, {"turn_deg", turn_deg}});
   return {{"source_vertices", pair.source_vertices},
           {"target_vertices", pair.target_vertices},
           {"start", {pair.start.source, pair.start.target}},
           {"confidence", pair.confidence},
-          {"starts", starts},
+          {"starts", starts_json(pair.starts)},
           {"raggedness_deg", pair.raggedness_deg},
           {"misfit_rel", pair.misfit_rel},
           {"edge_ratio", pair.edge_ratio}};
@@ -245,6 +241,14 @@ Json step_json(const StepReport& step, const Wording& wording) {
 Json counts_json(const DeformCounts& counts) {
   return {{"vertices", counts.vertices}, {"faces", counts.faces},   {"free", counts.free},
           {"fixed", counts.fixed},       {"handle", counts.handle}, {"degenerate", counts.degenerate}};
+}
+
+Json starts_json(const std::vector<StartCandidate>& starts) {
+  Json list = Json::array();
+  for (const auto& [start, probability, turn_deg] : starts)
+    list.push_back(
+        {{"start", {start.source, start.target}}, {"probability", probability}, {"turn_deg", turn_deg}});
+  return list;
 }
 
 Json quality_json(const Quality& quality) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/script/report.h>
 
 namespace meshgraft {
@@ -9,5 +12,6 @@ namespace meshgraft {
 // Parts of a report, as specified in docs/report.md.
 nlohmann::ordered_json counts_json(const DeformCounts& counts);
 nlohmann::ordered_json quality_json(const Quality& quality);
+nlohmann::ordered_json starts_json(const std::vector<StartCandidate>& starts);
 
 }  // namespace meshgraft
