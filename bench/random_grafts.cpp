@@ -1,7 +1,9 @@
 // Makes random grafts of the built-in models on one another. Prints Markdown tables of how many results are
 // valid, and how good the results are.
 //
-//   meshgraft_random_grafts [--count 500] [--seed 1] [--verbose] [--save FOLDER]
+//   meshgraft_random_grafts [--count 500] [--seed 1] [--found] [--no-retry] [--verbose] [--save FOLDER]
+//
+// --found: only with the shape `similar`, and with pose and start found; --no-retry: the first graft of each
 
 #include <algorithm>
 #include <chrono>
@@ -30,7 +32,8 @@ namespace {
 struct Arguments {
   std::uint64_t first_seed = 1;
   int count = 500;
-  bool verbose = false;
+  bool verbose = false, retry = true;
+  test::GraftKind kind = test::GraftKind::any;
   std::filesystem::path folder;  ///< where the meshes of each graft are saved; not if empty
 };
 
@@ -57,7 +60,8 @@ void save(const test::RandomGraft& graft, const MergeResult& result, const std::
 Outcome run_one(std::uint64_t seed, const Arguments& arguments) {
   Outcome outcome;
   outcome.seed = seed;
-  const test::RandomGraft graft = test::make_random_graft(seed);
+  test::RandomGraft graft = test::make_random_graft(seed, arguments.kind);
+  graft.options.retry = arguments.retry;
   outcome.text = graft.text;
   try {
     const auto start = std::chrono::steady_clock::now();
@@ -120,6 +124,18 @@ void print_shares(const std::vector<Outcome>& outcomes) {
       {"new self-intersections", [](const Outcome& o) { return o.intersections.new_ones > 0; }},
       {"self-intersections of the seam", [](const Outcome& o) { return o.intersections.of_seam > 0; }},
       {"inverted local maps", [](const Outcome& o) { return o.report.shape.inverted > 0; }},
+      {"folded edges of strip and band",
+       [](const Outcome& o) { return o.report.seam.faults.folded_edges > 0; }},
+      {"intersections among strip and band",
+       [](const Outcome& o) { return o.report.seam.faults.crossings > 0; }},
+      {"intersections of strip and band with other faces",
+       [](const Outcome& o) { return o.report.seam.faults.far_crossings > 0; }},
+      {"any of these four faults",
+       [](const Outcome& o) {
+         const SeamFaults& faults = o.report.seam.faults;
+         return o.report.shape.inverted + faults.folded_edges + faults.crossings + faults.far_crossings > 0;
+       }},
+      {"grafted again", [](const Outcome& o) { return o.report.retry.tries > 0; }},
   };
   fmt::print("\n| of the valid ones | grafts | for instance, number |\n|---|---:|---|\n");
   for (const Share& share : shares) {
@@ -188,16 +204,15 @@ int run(const Arguments& arguments) {
     fmt::print(stderr,
                "{}: {}: {}{} {:.2f} s; angle {:.1f}, bend {:.0f} ({:.0f}, {:.0f}), intersections {} ({}), "
                "inverted {}\n",
-               last.seed, last.text, last.refusals.empty() ? "" : "refused, ",
+               last.seed, last.text, last.refusal.empty() ? "" : "refused, ",
                !last.faults.empty() ? fmt::format("INVALID {}", fmt::join(last.faults, "; "))
-               : last.merged        ? "valid"
+               : last.is_valid()    ? "valid"
                                     : "no result",
                last.seconds, seam.angle_p1_deg, seam.dihedral_p99_deg, seam.target_dihedral_p99_deg,
                seam.source_dihedral_p99_deg, last.intersections.new_ones, last.intersections.of_seam,
                last.report.shape.inverted);
   }
   print_counts(outcomes);
-  print_refusals(outcomes);
   print_shares(outcomes);
   print_measures(outcomes);
   const bool all_valid =
@@ -209,8 +224,10 @@ std::optional<Arguments> parse(int argc, char** argv) {
   Arguments arguments;
   for (int k = 1; k < argc; ++k) {
     const std::string_view name = argv[k];
-    if (name == "--verbose") {
-      arguments.verbose = true;
+    if (name == "--verbose" || name == "--found" || name == "--no-retry") {
+      arguments.verbose |= name == "--verbose";
+      if (name == "--found") arguments.kind = test::GraftKind::found;
+      if (name == "--no-retry") arguments.retry = false;
       continue;
     }
     if (k + 1 == argc) return std::nullopt;
@@ -237,7 +254,9 @@ int main(int argc, char** argv) {
   meshgraft::cli::restart_with_better_blas_kernels(argv);
   const auto arguments = meshgraft::bench::parse(argc, argv);
   if (!arguments) {
-    fmt::print(stderr, "usage: meshgraft_random_grafts [--count 500] [--seed 1] [--verbose] [--save FOLDER]\n");
+    fmt::print(stderr,
+               "usage: meshgraft_random_grafts [--count 500] [--seed 1] [--found] [--no-retry] [--verbose] "
+               "[--save FOLDER]\n");
     return 2;
   }
   return meshgraft::bench::run(*arguments);

@@ -48,7 +48,7 @@ struct MergeArguments {
   std::string base_tilt;
   std::optional<Index> source_loop;
   double normal_angle_deg = 0;
-  bool fix_winding = false, smooth_boundary = false;
+  bool fix_winding = false, smooth_boundary = false, no_retry = false;
   std::optional<int> band;
   std::optional<StripMethod> strip;
   std::vector<const CLI::Option*> plain_options;
@@ -170,6 +170,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
   step.normal_angle_deg = arguments.normal_angle_deg;
   step.fix_winding = arguments.fix_winding;
   step.smooth_boundary = arguments.smooth_boundary;
+  step.retry = !arguments.no_retry;
   step.settings.seam.target_rings = arguments.band.value_or(step.settings.seam.target_rings);
   step.settings.seam.strip = arguments.strip.value_or(step.settings.seam.strip);
   return step;
@@ -370,6 +371,8 @@ void add_loop_options(CLI::App& command, MergeArguments& arguments) {
   plain(command.add_flag("--fix-winding", arguments.fix_winding,
                          "Turn the source inside out where loops need it"));
   plain(command.add_flag("--smooth-boundary", arguments.smooth_boundary, "Smooth ragged loops first"));
+  plain(command.add_flag("--no-retry", arguments.no_retry,
+                         "Keep the first graft, also with folds or intersections at its seam"));
 }
 
 void add_source_options(CLI::App& command, MergeArguments& arguments) {

@@ -136,7 +136,7 @@ class Edit:
               align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
               source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
               fixed: Any = None, reach_rings: int | None = None, reach_length: float | None = None,
-              features: Sequence[Any] | None = None, smooth_boundary: bool | None = None, fix_winding: bool | None = None,
+              features: Sequence[Any] | None = None, smooth_boundary: bool | None = None, fix_winding: bool | None = None, retry: bool | None = None,
               result: str | None = None, name: str | None = None, about: str | None = None,
               **settings: Unpack[MergeKeywords]) -> Self:
         """Adds a merge step; with `at`, a drop. The arguments are those of `meshgraft.merge` and `meshgraft.drop`."""
@@ -145,7 +145,7 @@ class Edit:
             base_tilt_deg=base_tilt_deg, base_tilt_axis=base_tilt_axis, pose=pose, shape=shape,
             align=align, mirror=mirror, source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg,
             fixed=fixed, reach_rings=reach_rings, reach_length=reach_length, features=features,
-            smooth_boundary=smooth_boundary, fix_winding=fix_winding, settings=settings))
+            smooth_boundary=smooth_boundary, fix_winding=fix_winding, retry=retry, settings=settings))
         return self._add(step, result, name, about)
 
     def cut(self, mesh: str, *, plane: Any = None, loop: ArrayLike | None = None, keep: CutKeep | None = None,

@@ -81,7 +81,7 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
     target_size, source_size = sizes
     a = {key: value for key, value in arguments.items() if value is not None}
     step: dict[str, Any] = {"kind": "merge", "target": target, "source": source}
-    for key in ("pose", "shape", "normal_angle_deg", "smooth_boundary", "fix_winding", "size"):
+    for key in ("pose", "shape", "normal_angle_deg", "smooth_boundary", "fix_winding", "retry", "size"):
         if key in a:
             step[key] = a[key]
     if "pairs" in a:
@@ -152,7 +152,7 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
           align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None, source_transform: ArrayLike | None = None,
           size: float | None = None, normal_angle_deg: float | None = None, fixed: Any = None,
           reach_rings: int | None = None, reach_length: float | None = None, features: Sequence[Any] | None = None,
-          smooth_boundary: bool | None = None, fix_winding: bool | None = None,
+          smooth_boundary: bool | None = None, fix_winding: bool | None = None, retry: bool | None = None,
           target_orientation: tuple[Direction, Direction] | None = None,
           source_orientation: tuple[Direction, Direction] | None = None, strict: bool = False, threads: int = 0,
           progress: Progress = None, **settings: Unpack[MergeKeywords]) -> MergeResult[M]:
@@ -169,7 +169,7 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
     arguments = dict(pairs=pairs, matches=matches, pose=pose, shape=shape, align=align, mirror=mirror,
                      source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg, fixed=fixed,
                      reach_rings=reach_rings, reach_length=reach_length, features=features, smooth_boundary=smooth_boundary,
-                     fix_winding=fix_winding, target_orientation=target_orientation, source_orientation=source_orientation,
+                     fix_winding=fix_winding, retry=retry, target_orientation=target_orientation, source_orientation=source_orientation,
                      settings=settings)
     return _run("merge", target, source, arguments, strict=strict, threads=threads, progress=progress)
 
@@ -180,7 +180,7 @@ def drop(target: M, source: Any, at: Any, *, spin_deg: float | None = None, sour
          shape: MergeShape | None = None, align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
          source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
          reach_rings: int | None = None, reach_length: float | None = None, features: Sequence[Any] | None = None,
-         smooth_boundary: bool | None = None, fix_winding: bool | None = None, strict: bool = False, threads: int = 0,
+         smooth_boundary: bool | None = None, fix_winding: bool | None = None, retry: bool | None = None, strict: bool = False, threads: int = 0,
          progress: Progress = None, **settings: Unpack[MergeKeywords]) -> MergeResult[M]:
     """Grafts `source` onto a surface without a hole: `at` a vertex, or at the point of the surface nearest to a point.
 
@@ -192,5 +192,5 @@ def drop(target: M, source: Any, at: Any, *, spin_deg: float | None = None, sour
                      base_tilt_deg=base_tilt_deg, base_tilt_axis=base_tilt_axis, shape=shape, align=align, mirror=mirror,
                      source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg,
                      reach_rings=reach_rings, reach_length=reach_length, features=features, smooth_boundary=smooth_boundary,
-                     fix_winding=fix_winding, settings=settings)
+                     fix_winding=fix_winding, retry=retry, settings=settings)
     return _run("drop", target, source, arguments, strict=strict, threads=threads, progress=progress)

@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 18> merge_fields = {
-    "target",   "source",           "pose",        "shape",   "pairs", "matches",          "at",
-    "mirror",   "source_transform", "align",       "size",    "fixed", "normal_angle_deg", "reach",
-    "features", "smooth_boundary",  "fix_winding", "settings"};
+constexpr std::array<std::string_view, 19> merge_fields = {
+    "target",   "source",           "pose",        "shape", "pairs",   "matches",          "at",
+    "mirror",   "source_transform", "align",       "size",  "fixed",   "normal_angle_deg", "reach",
+    "features", "smooth_boundary",  "fix_winding", "retry", "settings"};
 
 std::vector<std::string_view> graft_fields_and(std::initializer_list<std::string_view> others) {
   std::vector<std::string_view> names(merge_fields.begin(), merge_fields.end());

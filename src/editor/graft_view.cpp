@@ -72,7 +72,8 @@ void GraftView::work(const std::stop_token& stop) {
 void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
   const auto& [job, number] = numbered;
   const EditFile& edit = job.document.edit;
-  const EditStep& step = edit.steps.back();
+  EditStep step = edit.steps.back();
+  if (job.dragged) std::get<MergeStep>(step.action).retry = false;  // it takes too long to follow the pointer
   Context context;
   context.stop_token = stop;
   if (!job.dragged)

@@ -32,6 +32,12 @@ struct Trial {
   DropResult drop;
 
   Index inverted() const { return drop.merge.report.shape.inverted; }
+  /// Returns the faults at the seams, but for those of a source that is larger than the room.
+  Index faults_at_seam() const {
+    const SeamFaults& faults = drop.merge.report.seam.faults;
+    return inverted() + faults.folded_edges + faults.crossings;
+  }
+  bool is_good() const { return faults_at_seam() == 0 && (!hole.clear || !drop.intersections.any_new()); }
 };
 
 Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& asked, const Context& context) {
@@ -39,6 +45,7 @@ Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& as
   DropResult& drop = trial.drop;
   drop.options = asked;
   drop.options.size = trial.hole.size;
+  drop.options.retry = false;  // other sizes and angles are tried here
   const std::vector<MergePair>& pairs = trial.hole.pairs;
   drop.merge = merge_meshes(trial.hole.target, source, pairs, drop.options, context);
   if (asked.normal_angle_deg == 0)
@@ -58,7 +65,21 @@ Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& as
   return trial;
 }
 
-/// Drops a source that stands on the given loops. Tries up to `most_tries` smaller sizes where none is given.
+/// Grafts again with other settings where the seam has faults.
+void retry_in_hole(Trial& trial, const Mesh& source, const Context& context) {
+  DropResult& drop = trial.drop;
+  MergeOptions options = drop.options;
+  options.retry = true;
+  MergeResult other = merge_meshes(trial.hole.target, source, trial.hole.pairs, options, context);
+  const RetryReport& retry = other.report.retry;
+  if (retry.faults >= retry.faults_before) return;
+  if (retry.normal_angle_deg != 0) drop.options.normal_angle_deg = retry.normal_angle_deg;
+  drop.merge = std::move(other);
+  drop.intersections = count_intersections(source, drop.merge, context);
+}
+
+/// Drops a source that stands on the given loops. Where the result has faults, and `most_tries` is not 0, it
+/// tries other settings, then up to `most_tries` smaller sizes where none is given.
 DropResult drop_open_source(const Mesh& target, const Mesh& source,
                             const std::vector<std::vector<Index>>& loops, const Drop& drop,
                             const MergeOptions& options, int most_tries, const Context& context) {
@@ -68,14 +89,14 @@ DropResult drop_open_source(const Mesh& target, const Mesh& source,
   };
   Trial best = trial_of_size();
   trying.size = best.hole.size;
+  if (options.retry && most_tries > 0 && best.faults_at_seam() > 0) retry_in_hole(best, source, context);
   for (int k = 0; k < most_tries && !drop.size; ++k) {
-    if (best.inverted() == 0 && (!best.hole.clear || !best.drop.intersections.any_new())) break;
+    if (best.is_good()) break;
     trying.size = next_size_ratio * *trying.size;
     try {
       Trial other = trial_of_size();
-      const bool better =
-          other.inverted() < best.inverted() || (other.inverted() == 0 && !other.drop.intersections.any_new());
-      if (!better) continue;
+      const bool clean = other.faults_at_seam() == 0 && !other.drop.intersections.any_new();
+      if (!clean && other.faults_at_seam() >= best.faults_at_seam()) continue;
       best = std::move(other);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
@@ -86,6 +107,7 @@ DropResult drop_open_source(const Mesh& target, const Mesh& source,
   if (best.inverted() > 0 && options.shape == MergeShape::similar)
     throw Error(facts::merge::DroppedSourceInverted{.vertices = best.inverted(), .size = best.hole.size},
                 "surface_point");
+  best.drop.options.retry = options.retry;
   // Composes the target's map from the closed target, before the hole was cut.
   IndexMap& map = best.drop.merge.target;
   compose(best.hole.vertex, map);
@@ -155,18 +177,14 @@ DropResult drop_opened(const Mesh& target, const Mesh& source, const OpenedSourc
   return dropped;
 }
 
-/// Counts the pairs of faces of a result that intersect and are new, or touch the seam or the band. A source
-/// with intersections of its own may lose some and get others at the seam.
-std::int64_t intersections_at_seam_or_new(const DropResult& dropped, const Context& context) {
+/// Counts the faults at the seams, or the new intersections where these are more. A source with intersections
+/// of its own may lose some and get others at the seam.
+std::int64_t count_faults(const DropResult& dropped) {
   const auto& [result, source] = dropped.intersections;
-  if (result == 0) return 0;
-  const Mesh& mesh = dropped.merge.mesh;
-  std::vector<Index> near = dropped.merge.band;
-  for (const Index face : dropped.merge.new_faces)
-    near.insert(near.end(), mesh.faces[face].begin(), mesh.faces[face].end());
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
-  return std::max(result - source, count_pairs(mesh, near, context));
+  const SeamFaults& seam = dropped.merge.report.seam.faults;
+  const Index at_seam =
+      dropped.merge.report.shape.inverted + seam.folded_edges + seam.crossings + seam.far_crossings;
+  return std::max<std::int64_t>(at_seam, result - source);
 }
 
 /// Drops of a closed source by several planes, of which the best one is kept.
@@ -183,8 +201,8 @@ struct BestDrop {
              return note.id() == facts::merge::SourceReachesIn::id;
            });
   }
-  void take(DropResult dropped, std::size_t index, const Context& context) {
-    const std::int64_t found = intersections_at_seam_or_new(dropped, context);
+  void take(DropResult dropped, std::size_t index) {
+    const std::int64_t found = count_faults(dropped);
     if (result && found >= faults) return;
     result = std::move(dropped);
     faults = found;
@@ -208,7 +226,7 @@ DropResult drop_closed_source(const Mesh& target, const Mesh& source, const Drop
     try {
       const OpenedSource opened = search.open(planes[plane], context);
       const int tries = most_tries == 0 || opened.loops.size() == 1 ? most_tries : 2 * most_tries;
-      best.take(drop_opened(target, source, opened, drop, options, tries, context), plane, context);
+      best.take(drop_opened(target, source, opened, drop, options, tries, context), plane);
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
       if (!best.refusal) best.refusal = error;

@@ -52,7 +52,7 @@ bool is_good(const ShapeReport& shape) {
 }  // namespace
 
 FoundGraft graft_within_radius(const PosedSource& source, std::span<const VertexConstraint> constraints,
-                               const MergeOptions& options, const Context& context) {
+                               const MergeOptions& options, int fewest_doublings, const Context& context) {
   constexpr double fewest_far = 0.05;       // chosen, × all vertices: fewer do not determine a similarity well
   constexpr int most_doublings = 3;         // chosen: eight radii are most of a source
   constexpr std::size_t most_near = 20000;  // chosen, vertices: solves of more take seconds
@@ -66,24 +66,33 @@ FoundGraft graft_within_radius(const PosedSource& source, std::span<const Vertex
   std::vector<std::vector<Index>> loops;
   for (const LoopPair& pair : source.pairs) loops.push_back(pair.source);
 
-  FoundGraft best;
-  std::size_t far_count = 0;
-  for (int doubling = 0; doubling <= (one_radius ? 0 : most_doublings); ++doubling) {
-    const std::vector<Index> far =
-        beyond_influence_radius(source.rest, rings, loops, options.reach, 1 << doubling);
+  const auto too_large = [&](std::span<const Index> far) {
     const bool hardly_any = static_cast<double>(far.size()) < fewest_far * static_cast<double>(count);
-    if (doubling > 0 && (hardly_any || count - far.size() > most_near || far.size() == far_count)) break;
-    far_count = far.size();
+    return hardly_any || count - far.size() > most_near;
+  };
+  int doublings = one_radius ? 0 : fewest_doublings;
+  std::vector<Index> far;
+  for (;; --doublings) {
+    far = beyond_influence_radius(source.rest, rings, loops, options.reach, 1 << doublings);
+    if (doublings == 0 || !too_large(far)) break;
+  }
+  FoundGraft best = solve_beside(far, source, constraints, options, context);
+  best.doublings = doublings;
+  while (!is_good(best.shape) && !one_radius && ++doublings <= most_doublings) {
+    std::vector<Index> farther =
+        beyond_influence_radius(source.rest, rings, loops, options.reach, 1 << doublings);
+    if (too_large(farther) || farther.size() == far.size()) break;
+    far = std::move(farther);
     FoundGraft found = solve_beside(far, source, constraints, options, context);
+    found.doublings = doublings;
     found.assemble_seconds += best.assemble_seconds;
     found.factorise_seconds += best.factorise_seconds;
-    if (doubling == 0 || is_better(found.shape, best.shape)) {
+    if (is_better(found.shape, best.shape)) {
       best = std::move(found);
     } else {
       best.assemble_seconds = found.assemble_seconds;
       best.factorise_seconds = found.factorise_seconds;
     }
-    if (is_good(best.shape)) break;
   }
   return best;
 }

@@ -27,12 +27,14 @@ struct FoundGraft {
   Graft graft;
   ShapeReport shape;
   double assemble_seconds = 0, factorise_seconds = 0;  ///< of all solves of the search
+  int doublings = 0;                                   ///< of the first radius
 };
 
 /// Solves within the requested influence radius. Where none is requested and the pose is to be found, the
-/// first radius is each loop's own. It is doubled as long as the source is squeezed within it and doubling
-/// helps. Throws Error(input) where all fixed vertices are on loops, and what `solve_graft` throws.
+/// first radius is each loop's own, doubled `fewest_doublings` times or as often as that is possible. It is
+/// doubled further as long as the source is squeezed within it and doubling helps. Throws Error(input) where
+/// all fixed vertices are on loops, and what `solve_graft` throws.
 FoundGraft graft_within_radius(const PosedSource& source, std::span<const VertexConstraint> constraints,
-                               const MergeOptions& options, const Context& context);
+                               const MergeOptions& options, int fewest_doublings, const Context& context);
 
 }  // namespace meshgraft

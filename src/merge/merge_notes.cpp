@@ -1,5 +1,9 @@
 #include "merge_notes.h"
 
+#include <string>
+
+#include <fmt/format.h>
+
 #include "merge/facts.h"
 
 namespace meshgraft {
@@ -20,6 +24,36 @@ constexpr double folded_deg = 60;
 constexpr double far_off = 4;
 // Chosen: below 0.35, the width of the worst graft that is accepted (docs/merging.md, "Worst spots").
 constexpr double pinched = 0.3;
+
+/// Names the settings that differ from those of the first graft.
+std::string settings_of(const RetryReport& retry) {
+  std::vector<std::string> settings;
+  if (retry.reach_doublings > 0)
+    settings.push_back(fmt::format("{} × the influence radius", 1 << retry.reach_doublings));
+  if (retry.normal_angle_deg != 0)
+    settings.push_back(fmt::format("a normal angle of {}°", retry.normal_angle_deg));
+  if (retry.size != 0) settings.push_back(fmt::format("size {:.3g}", retry.size));
+  if (retry.start != 0) settings.push_back(fmt::format("start {} of those that were found", retry.start + 1));
+  if (retry.start_shift != 0)
+    settings.push_back(fmt::format("the start moved by {} % of the loop", 100 * retry.start_shift));
+  return fmt::format("{}", fmt::join(settings, ", "));
+}
+
+void add_faults(const MergeReport& report, std::vector<Note>& notes) {
+  const RetryReport& retry = report.retry;
+  if (retry.tries > 0 && retry.faults < retry.faults_before)
+    notes.push_back(facts::merge::Retried{.faults_before = retry.faults_before,
+                                          .faults = retry.faults,
+                                          .tries = retry.tries,
+                                          .settings = settings_of(retry)});
+  else if (retry.tries > 0)
+    notes.push_back(facts::merge::RetriedInVain{.faults = retry.faults, .tries = retry.tries});
+  const SeamFaults& faults = report.seam.faults;
+  if (faults.folded_edges + faults.crossings > 0)
+    notes.push_back(
+        facts::merge::SeamFaulty{.folded_edges = faults.folded_edges, .crossings = faults.crossings});
+  if (faults.far_crossings > 0) notes.push_back(facts::merge::SeamMeetsSurface{.pairs = faults.far_crossings});
+}
 
 }  // namespace
 
@@ -48,6 +82,7 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
   }
   if (report.shape.smallest_singular_p5 < pinched)
     notes.push_back(facts::merge::SourceSqueezed{.width_percent = 100 * report.shape.smallest_singular_p5});
+  add_faults(report, notes);
   if (!report.seam.manifold) notes.push_back(facts::merge::ResultNotManifold{});
   if (report.evaluation.fell_back_to_linear) notes.push_back(facts::merge::FeaturesBlended{});
   if (report.shape.inverted > 0)

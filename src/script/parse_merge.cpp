@@ -226,6 +226,7 @@ EditStep parse_merge_step(const Value& value) {
                               "features",
                               "smooth_boundary",
                               "fix_winding",
+                              "retry",
                               "settings",
                               "counts"});
   MergeStep step;
@@ -253,6 +254,7 @@ EditStep parse_merge_step(const Value& value) {
   fields.optional("features", [&](const Value& v) { step.features = parse_list(v, &parse_feature); });
   fields.optional("smooth_boundary", [&](const Value& v) { step.smooth_boundary = v.boolean(); });
   fields.optional("fix_winding", [&](const Value& v) { step.fix_winding = v.boolean(); });
+  fields.optional("retry", [&](const Value& v) { step.retry = v.boolean(); });
   fields.optional("counts", [&](const Value& v) { step.counts = parse_merge_counts(v); });
   require_sense(step, fields);
   return {{}, {}, std::move(step)};

@@ -133,7 +133,21 @@ Json seam_json(const SeamReport& seam) {
           {"target_dihedral_p99_deg", seam.target_dihedral_p99_deg},
           {"source_dihedral_p99_deg", seam.source_dihedral_p99_deg},
           {"band_displacement_rel", seam.band_displacement_rel},
-          {"edge_ratio", seam.source_edge_ratio}};
+          {"edge_ratio", seam.source_edge_ratio},
+          {"folded_edges", seam.faults.folded_edges},
+          {"crossings", seam.faults.crossings},
+          {"far_crossings", seam.faults.far_crossings}};
+}
+
+Json retry_json(const RetryReport& retry) {
+  return {{"tries", retry.tries},
+          {"faults_before", retry.faults_before},
+          {"faults", retry.faults},
+          {"reach_doublings", retry.reach_doublings},
+          {"normal_angle_deg", retry.normal_angle_deg},
+          {"size", retry.size > 0 ? Json(retry.size) : Json(nullptr)},
+          {"start", retry.start},
+          {"start_shift", retry.start_shift}};
 }
 
 Json merge_settings_json(const std::optional<Preset>& preset, const MergeOptions& options) {
@@ -141,6 +155,7 @@ Json merge_settings_json(const std::optional<Preset>& preset, const MergeOptions
   json["normal_angle_deg"] = options.normal_angle_deg;
   json["smooth_boundary"] = options.smooth_boundary;
   json["fix_winding"] = options.fix_winding;
+  json["retry"] = options.retry;
   return json;
 }
 
@@ -166,6 +181,7 @@ void add_merge(Json& json, const MergeOutcome& merge) {
   json["base"] = base_json(merge.base);
   json["part"] = shape_json(report.shape);
   json["seam"] = seam_json(report.seam);
+  json["retry"] = retry_json(report.retry);
   json["residual"] = report.evaluation.residual;
   json["iterations"] = report.evaluation.iterations;
   json["source_vertices_added"] = report.source_vertices_added;

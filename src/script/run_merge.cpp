@@ -67,6 +67,7 @@ MergeOptions resolve_options(const MergeStep& step, MergeSide& source, const Set
   options.normal_angle_deg = step.normal_angle_deg;
   options.smooth_boundary = step.smooth_boundary;
   options.fix_winding = step.fix_winding;
+  options.retry = step.retry;
   const MergeSettings settings = effective_settings(step.settings, overrides);
   options.deformer = settings.deformer;
   if (options.shape == MergeShape::ft05)
@@ -183,6 +184,7 @@ void take_seconds(const MergeReport& report, StageSeconds& seconds) {
   seconds.factorise = report.factorise_seconds;
   seconds.solve = report.solve_seconds;
   seconds.seam = report.seam_seconds;
+  seconds.retry = report.retry_seconds;
 }
 
 }  // namespace
@@ -273,6 +275,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
       outcome.intersections = dropped.intersections;
     } else {
       result = merge_meshes(target.sound.mesh(), part, pairs, outcome.options, context);
+      if (result.report.retry.normal_angle_deg != 0)
+        outcome.options.normal_angle_deg = result.report.retry.normal_angle_deg;
       const Stopwatch measuring;
       outcome.intersections = count_intersections(part, result, context);
       report.seconds.measure = measuring.seconds();

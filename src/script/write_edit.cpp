@@ -249,6 +249,7 @@ Json step_json(const EditStep& edit_step, const MergeStep& step) {
   write_list(json, "features", step.features, feature_json);
   if (step.smooth_boundary) json["smooth_boundary"] = true;
   if (step.fix_winding) json["fix_winding"] = true;
+  if (!step.retry) json["retry"] = false;
   json["settings"] = settings_json(step.settings);
   if (const Json counts = counts_json(step.counts); !counts.empty()) json["counts"] = counts;
   return json;

@@ -30,7 +30,7 @@ FoundGraft graft_of(const test::GraftScene& scene, const std::vector<VertexConst
   const std::vector<LoopPair> pairs = pairs_of(scene);
   return graft_within_radius(
       {scene.mesh.positions, scene.mesh.positions, scene.mesh.triangles, scene.component, pairs}, constraints,
-      options, {});
+      options, 0, {});
 }
 
 /// Few iterations: the search compares grafts, however well they have settled.

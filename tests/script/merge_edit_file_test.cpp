@@ -72,6 +72,7 @@ TEST(MergeEditFile, KeepsEveryField) {
   EXPECT_FALSE(merge.features[1].similarity);
   EXPECT_TRUE(merge.smooth_boundary);
   EXPECT_TRUE(merge.fix_winding);
+  EXPECT_FALSE(merge.retry);
   EXPECT_EQ(merge.settings.deformer.method, DeformMethod::rotation_aware);
   EXPECT_EQ(merge.settings.seam.strip, StripMethod::greedy);
   EXPECT_EQ(merge.settings.seam.edge_ratio, 3);

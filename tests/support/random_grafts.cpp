@@ -221,14 +221,20 @@ std::optional<MergeFeature> random_feature(const OpenModel& source, Random& rand
   return MergeFeature{std::move(vertices), random.chance(0.5)};
 }
 
-MergeOptions random_options(const OpenModel& source, double radius_ratio, Random& random, std::string& text) {
+MergeOptions random_options(const OpenModel& source, double radius_ratio, GraftKind kind, Random& random,
+                            std::string& text) {
   MergeOptions options;
-  if (random.chance(0.4)) options.shape = MergeShape::ft05;
-  if (random.chance(0.2)) options.pose = MergePose::keep;
+  const bool ft05 = random.chance(0.4), keep = random.chance(0.2);
+  if (kind == GraftKind::any && ft05) options.shape = MergeShape::ft05;
+  if (kind == GraftKind::any && keep) options.pose = MergePose::keep;
   options.smooth_boundary = random.chance(0.2);
-  if (random.chance(0.1)) options.normal_angle_deg = random.uniform(-30, 30);
+  const bool leans = random.chance(0.1);
+  if (leans) {
+    const double angle = random.uniform(-30, 30);
+    if (kind == GraftKind::any) options.normal_angle_deg = angle;
+  }
   if (options.pose == MergePose::find && random.chance(0.15))
-    options.size = radius_ratio * random.uniform(0.5, 2);
+    options.size = radius_ratio * (kind == GraftKind::any ? random.uniform(0.5, 2) : random.uniform(0.7, 1.4));
   if (random.chance(0.15))
     if (auto feature = random_feature(source, random)) options.features.push_back(std::move(*feature));
   text += fmt::format("; {}, pose {}", to_string(options.shape), to_string(options.pose));
@@ -248,7 +254,7 @@ void shuffle(std::vector<std::vector<Index>>& loops, Random& random) {
 
 }  // namespace
 
-RandomGraft make_random_graft(std::uint64_t seed) {
+RandomGraft make_random_graft(std::uint64_t seed, GraftKind kind) {
   Random random(seed);
   OpenModel target = random_open_model(random);
   const OpenModel whole_source = random_open_model(random);
@@ -261,7 +267,7 @@ RandomGraft make_random_graft(std::uint64_t seed) {
   const LoopFrame there = frame_of(points_of(target.mesh, target.loops.front())),
                   here = frame_of(points_of(source.mesh, source.loops.front()));
   std::string options_text;
-  MergeOptions options = random_options(source, there.radius / here.radius, random, options_text);
+  MergeOptions options = random_options(source, there.radius / here.radius, kind, random, options_text);
   const Eigen::Affine3d pose =
       options.pose == MergePose::keep ? pose_by_hand(here, there, random) : random_similarity(random);
   if (options.size) *options.size /= std::cbrt(pose.linear().determinant());
@@ -272,7 +278,8 @@ RandomGraft make_random_graft(std::uint64_t seed) {
   graft.options = std::move(options);
   for (std::size_t p = 0; p < count; ++p) {
     MergePair pair{{source.loops[p], target.loops[p]}, {}};
-    if (random.chance(0.5)) pair.matches = {{random.one_of(source.loops[p]), random.one_of(target.loops[p])}};
+    if (kind == GraftKind::any && random.chance(0.5))
+      pair.matches = {{random.one_of(source.loops[p]), random.one_of(target.loops[p])}};
     graft.pairs.push_back(std::move(pair));
     options_text += fmt::format("; loops of {} on {}{}", source.loops[p].size(), target.loops[p].size(),
                                 graft.pairs.back().matches.empty() ? "" : " from a start");

@@ -18,8 +18,14 @@ struct RandomGraft {
   MergeOptions options;
 };
 
+/// The options of random grafts.
+enum class GraftKind : std::uint8_t {
+  any,    ///< all of them, also those that ask for what cannot be well: random starts, poses by hand, any size
+  found,  ///< shape `similar`; pose and start are found, and a size is 0.7 to 1.4 × the ratio of the loops
+};
+
 /// Returns the same graft for the same seed.
-RandomGraft make_random_graft(std::uint64_t seed);
+RandomGraft make_random_graft(std::uint64_t seed, GraftKind kind = GraftKind::any);
 
 /// The outcome of a graft: a result or a refusal.
 struct Attempt {

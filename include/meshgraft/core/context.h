@@ -35,6 +35,10 @@ struct Context {
 
   /// Throws Error(cancelled) if a stop was requested.
   void throw_if_stopped() const;
+
+  /// Returns this context for one of `count` tasks: its progress names the task and its number, from 1. `task`
+  /// must outlive the context.
+  Context within(std::string_view task, int number, int count) const;
 };
 
 }  // namespace meshgraft

@@ -18,6 +18,14 @@ struct Similarity {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
+/// Faults of strips and bands that the inputs did not have. Pairs of faces with a common vertex or edge count
+/// where they have other points in common.
+struct SeamFaults {
+  Index folded_edges = 0;   ///< edges bent by more than 160°
+  Index crossings = 0;      ///< pairs of faces of strips and bands that intersect
+  Index far_crossings = 0;  ///< pairs that intersect, of a face of a strip or band and a face elsewhere
+};
+
 /// Measures of a finished seam.
 struct SeamReport {
   bool manifold = false, oriented = false;
@@ -31,6 +39,20 @@ struct SeamReport {
   /// Largest displacement of a target vertex, × the diagonal of the result.
   double band_displacement_rel = 0;
   double source_edge_ratio = 1;  ///< mean edge length of the source's loops / that of the target's
+  SeamFaults faults;
+};
+
+/// Grafts with other values of settings that the options leave open (`MergeOptions::retry`).
+struct RetryReport {
+  int tries = 0;  ///< further grafts; 0: the first one had no faults, or none may follow
+  Index faults_before = 0,
+        faults = 0;  ///< inverted maps, folded edges and crossings of the first and the result
+  // The values of the result. All are as below where the first graft is the best.
+  int reach_doublings = 0;      ///< of the influence radius, at least
+  double normal_angle_deg = 0;  ///< 0: as in the options
+  double size = 0;              ///< 0: as in the options
+  int start = 0;                ///< of `PairReport::starts`
+  double start_shift = 0;       ///< of the start along the target's loop, × the loop's length
 };
 
 /// Report on one pair of loops.
@@ -81,10 +103,13 @@ struct MergeReport {
   ShapeReport shape;
   SeamReport seam;
   EvaluationReport evaluation;
+  RetryReport retry;
   Index source_vertices_added = 0, target_vertices_added = 0;  ///< added by refinement
   std::vector<Note> notes;
+  /// Of the first graft, but for those of all further ones.
   double match_seconds = 0, assemble_seconds = 0, factorise_seconds = 0, solve_seconds = 0, seam_seconds = 0,
-         total_seconds = 0;
+         retry_seconds = 0;
+  double total_seconds = 0;
 };
 
 }  // namespace meshgraft

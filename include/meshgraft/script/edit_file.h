@@ -239,6 +239,7 @@ struct MergeStep {
   std::vector<FeatureSpec> features;
   bool smooth_boundary = false;
   bool fix_winding = false;
+  bool retry = true;
   MergeSettings settings;
   MergeCounts counts;
 };

@@ -47,6 +47,7 @@ struct StageSeconds {
   double factorise = 0;
   double solve = 0;
   double seam = 0;
+  double retry = 0;    ///< further grafts, because the first one had faults at its seam
   double measure = 0;  ///< residual, conditioning, quality
   double write = 0;
   double total = 0;

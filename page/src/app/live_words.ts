@@ -80,6 +80,7 @@ const progressStages: Record<ProgressStage, string> = {
 /** Words for the tasks of the engine's progress. */
 const progressTasks: Record<ProgressTask, string> = {
   proxy: "making a preview",
+  retry: "trying other settings for a better seam",
 };
 
 /** Words the engine's progress: by its task, or by its stage where it has no task. */

@@ -352,6 +352,19 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: "the ring of faces at the model's loop cannot be taken away without cutting off more",
     remedy: "Repair the model near the loop: it is not an oriented manifold there.",
   }),
+  "merge.retried": ({ faults_before, faults, tries }) => ({
+    problem: `the first try had ${counted(faults_before, "fault")} at the seam (inverted, folded or intersecting faces), this one has ${faults}; ${tries} were tried`,
+  }),
+  "merge.retried_in_vain": ({ faults, tries }) => ({
+    problem: `${tries} other angles, sizes and rotations were tried, and none has fewer faults at the seam than ${faults}`,
+    remedy: "Twist the part, or cut loops that are more alike.",
+  }),
+  "merge.seam_faulty": ({ folded_edges, crossings }) => ({
+    problem: `at the seam ${counted(folded_edges, "edge")} fold over and ${counted(crossings, "pair")} of faces intersect; loops that are more alike may help`,
+  }),
+  "merge.seam_meets_surface": ({ pairs }) => ({
+    problem: `${counted(pairs, "pair")} of faces at the seam intersect the surface elsewhere: the part is longer than the room there; a smaller size may help`,
+  }),
   "merge.size_makes_source_huge": ({ size }) => ({
     problem: `size ${formatNumber(size, 3)} makes the part over a million times larger than the model`,
   }),

@@ -43,6 +43,8 @@ export interface GraftStep {
   readonly fixed: EditSelection | undefined;
   readonly smoothBoundary: boolean;
   readonly fixWinding: boolean;
+  /** Whether other settings are tried where the seam has faults. */
+  readonly retry: boolean;
 }
 
 /** Reads `state.graft.step`, which has the form of a merge step in docs/edit-file.md. */
@@ -63,6 +65,7 @@ export function readStep(step: object): GraftStep {
     fixed: rest.fixed === true || rest.fixed === null ? undefined : rest.fixed,
     smoothBoundary: rest.smooth_boundary ?? false,
     fixWinding: rest.fix_winding ?? false,
+    retry: rest.retry ?? true,
   };
 }
 

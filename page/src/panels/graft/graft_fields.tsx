@@ -176,6 +176,12 @@ export function LoopToggles({ step, keep }: GraftFieldsProps) {
         help="For a part whose normals point inward."
         onChange={(on) => keep({ fix_winding: on || null })}
       />
+      <Toggle
+        label="Retry a faulty seam"
+        value={step.retry}
+        help="Where faces at the seam fold over or intersect, other angles, sizes and rotations are tried."
+        onChange={(on) => keep({ retry: on ? null : false })}
+      />
     </>
   );
 }

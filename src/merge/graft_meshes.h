@@ -1,0 +1,48 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/merge/merge_options.h>
+
+#include "graft_within_radius.h"
+#include "match_meshes.h"
+#include "seam.h"
+
+namespace meshgraft {
+
+/// A source that was deformed to meet the target's loops.
+struct GraftedSource {
+  FoundGraft found;
+  std::vector<double> misfits_rel;  ///< per pair
+  double seconds = 0;
+};
+
+/// A whole graft with one choice of settings.
+struct MadeGraft {
+  std::vector<Correspondence> correspondences;
+  GraftedSource grafted;
+  SeamResult seam;
+
+  Index faults() const {
+    const SeamFaults& at_seam = seam.report.faults;
+    return grafted.found.shape.inverted + at_seam.folded_edges + at_seam.crossings + at_seam.far_crossings;
+  }
+  /// Returns the faults weighted: a source that reaches into the target's band with its far side does so
+  /// because it is larger than the room.
+  double weighted_faults() const {
+    constexpr double far = 0.25;  // chosen
+    return static_cast<double>(faults()) - (1 - far) * seam.report.faults.far_crossings;
+  }
+};
+
+/// Poses the source near the target, then deforms it so that its loops meet the target's.
+GraftedSource graft_source(const MatchedMeshes& matched, std::span<const Correspondence> correspondences,
+                           const MergeOptions& options, int fewest_doublings, const Context& context);
+
+/// Joins the target and the grafted source, and counts the faults at the seam.
+SeamResult join_source(const MatchedMeshes& matched, const GraftedSource& grafted, const MergeOptions& options,
+                       const Context& context);
+
+}  // namespace meshgraft

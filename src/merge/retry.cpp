@@ -1,0 +1,134 @@
+#include "retry.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <ranges>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <meshgraft/core/error.h>
+
+#include "loop_curve.h"
+
+namespace meshgraft {
+
+namespace {
+
+/// Returns how many of the first starts are as good as the first, because none is probable.
+int equally_likely_starts(const Correspondence& found) {
+  constexpr double sure = 0.6;  // as in merge_notes.cpp
+  constexpr int most = 4;       // chosen
+  if (found.starts.empty() || found.starts.front().probability >= sure) return 1;
+  return std::min(most, static_cast<int>(found.starts.size()));
+}
+
+/// Returns the correspondence from another start, moved along the target's loop by a share of its length.
+Correspondence restarted(const PairGeometry& geometry, Correspondence found, int start, double shift) {
+  if (start > 0) found.start = found.starts[static_cast<std::size_t>(start)].start;
+  const auto& loop = geometry.loops.target;
+  const LoopCurve curve(geometry.target.points);
+  const auto at = static_cast<Index>(std::find(loop.begin(), loop.end(), found.start.target) - loop.begin());
+  const double parameter = curve.parameter_at(curve.arc(at) + shift * curve.length());
+  found.start.target = loop[static_cast<std::size_t>(std::lround(parameter)) % loop.size()];
+  return matched_again(geometry, {}, std::move(found));
+}
+
+}  // namespace
+
+FoundVariation find_variation(const OpenSettings& open, double first, int most,
+                              const std::function<double(const Variation&)>& faults_of) {
+  // The values and their order were measured on random grafts (docs/merging.md, "Faults at the seam"): the
+  // influence radius is seen least and helps most often.
+  constexpr int most_rounds = 3;
+  FoundVariation found{.best = {}, .faults = first, .tries = 0};
+  std::set<Variation> tried{found.best};
+  const auto attempt = [&](const Variation& variation) {
+    if (found.faults == 0 || found.tries == most || !tried.insert(variation).second) return;
+    ++found.tries;
+    const double faults = faults_of(variation);
+    if (faults >= found.faults) return;
+    found.best = variation;
+    found.faults = faults;
+  };
+  const auto attempt_values = [&](auto Variation::* setting, const auto& values) {
+    for (const auto value : values) {
+      Variation variation = found.best;
+      variation.*setting = value;
+      attempt(variation);
+    }
+  };
+  constexpr std::array doublings{1, 2, 3};
+  constexpr std::array angles_deg{20.0, -20.0, 40.0, -40.0, 60.0, -60.0};
+  constexpr std::array size_ratios{0.8, 1.25, 0.65, 1.5};
+  constexpr std::array shifts{0.04, -0.04, 0.08, -0.08, 0.15, -0.15};
+  for (int round = 0; round < most_rounds; ++round) {
+    const Variation before = found.best;
+    if (open.reach) attempt_values(&Variation::doublings, doublings);
+    if (open.normal_angle) attempt_values(&Variation::normal_angle_deg, angles_deg);
+    if (open.size) attempt_values(&Variation::size_ratio, size_ratios);
+    if (open.start_shift) attempt_values(&Variation::start_shift, shifts);
+    attempt_values(&Variation::start, std::views::iota(1, std::max(1, open.starts)));
+    if (found.best == before) break;
+  }
+  return found;
+}
+
+RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair> pairs,
+                        const MergeOptions& options, const Context& context, MadeGraft& best) {
+  // Measured: 30 further grafts find what more would, and 12 where the start is not open. Chosen: large meshes
+  // get fewer, so that a merge takes at most some five times as long.
+  constexpr int fewest_tries = 4;
+  constexpr Index vertices_of_all_tries = 2'000'000;
+  const int most_tries = pairs.size() == 1 ? 30 : 12;
+  const Index vertices = matched.target.vertex_count() + matched.source.mesh.vertex_count();
+  const int most = std::clamp(vertices_of_all_tries / std::max<Index>(1, vertices), fewest_tries, most_tries);
+  const double found_size = best.grafted.found.shape.similarity.scale;
+  const OpenSettings open{.reach = !options.reach.rings && !options.reach.length,
+                          .normal_angle = options.normal_angle_deg == 0,
+                          .size = !options.size && std::ranges::max(matched.component) == 0,
+                          .start_shift = pairs.size() == 1 && pairs.front().matches.empty(),
+                          .starts = equally_likely_starts(matched.correspondences.front())};
+  RetryReport report{.faults_before = best.faults()};
+  constexpr double impossible = std::numeric_limits<double>::infinity();
+  const auto graft_again = [&](const Variation& variation, const Context& of_try) {
+    MergeOptions varied = options;
+    if (open.normal_angle) varied.normal_angle_deg = variation.normal_angle_deg;
+    if (variation.size_ratio != 1) varied.size = variation.size_ratio * found_size;
+    MadeGraft made{.correspondences = matched.correspondences};
+    if (variation.start != 0 || variation.start_shift != 0)
+      made.correspondences.front() = restarted(matched.geometry.front(), matched.correspondences.front(),
+                                               variation.start, variation.start_shift);
+    made.grafted = graft_source(matched, made.correspondences, varied, variation.doublings, of_try);
+    if (made.grafted.found.doublings < variation.doublings) return impossible;
+    const double least = best.weighted_faults();
+    if (made.grafted.found.shape.inverted >= least) return impossible;
+    made.seam = join_source(matched, made.grafted, varied, of_try);
+    const double faults = made.weighted_faults();
+    if (faults < least) best = std::move(made);
+    return faults;
+  };
+  int number = 0;
+  const auto faults_of = [&](const Variation& variation) {
+    try {
+      return graft_again(variation, context.within("retry", ++number, most));
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::cancelled) throw;
+      return impossible;
+    }
+  };
+  const FoundVariation found = find_variation(open, best.weighted_faults(), most, faults_of);
+  report.tries = found.tries;
+  report.faults = best.faults();
+  if (found.best == Variation{}) return report;
+  report.reach_doublings = best.grafted.found.doublings;
+  report.normal_angle_deg = found.best.normal_angle_deg;
+  if (found.best.size_ratio != 1) report.size = found.best.size_ratio * found_size;
+  report.start = found.best.start;
+  report.start_shift = found.best.start_shift;
+  return report;
+}
+
+}  // namespace meshgraft
