@@ -28,7 +28,7 @@ edit: build ## the editor in the browser: make edit MODEL=model.ply, or without 
 	@build/release/meshgraft edit $(MODEL)
 
 test: ## all tests: with and without the optional libraries, sanitizers, layers, installed package
-	@tools/bootstrap.sh build test
+	@MESHGRAFT_VENV=none tools/bootstrap.sh build test
 	@python3 tools/run_tests.py
 
 test-long: ## the tests of large meshes and slow work, which make test leaves out

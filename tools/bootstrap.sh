@@ -6,7 +6,7 @@
 #
 # For the group test it also makes build/venv, an environment of Debian's own Python with what python/requirements.txt
 # names, and makes it anew when that file has changed. MESHGRAFT_PYTHON is another Python for it, MESHGRAFT_VENV another
-# folder.
+# folder, or "none": tools/run_tests.py makes it later, beside the first tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -29,6 +29,7 @@ list=$(wanted "$@")
 # Makes the environment for the group test, unless it is there and of the current requirements.
 make_venv() {
   case " $* " in *" test "*) ;; *) return 0 ;; esac
+  [ "${MESHGRAFT_VENV:-}" != none ] || return 0
   local folder=${MESHGRAFT_VENV:-build/venv} python=${MESHGRAFT_PYTHON:-/usr/bin/python3}
   [ -x "$python" ] || python=python3
   if [ -f "$folder/requirements.txt" ] && [ "$(<"$folder/requirements.txt")" = "$(<python/requirements.txt)" ]; then

@@ -4,7 +4,8 @@
     tools/run_tests.py               all of them
     tools/run_tests.py release asan  some of them
 
-The end names each failed test with a line of its output. The last line is "N passed, N failed" over all
+While one configuration is tested, the next ones are built: tests wait for pictures, disks and each other, and builds wait
+for downloads. The end names each failed test with a line of its output. The last line is "N passed, N failed" over all
 configurations; the exit status is 1 if anything failed. A configuration that does not build counts as one failure and
 does not stop the others.
 """
@@ -13,16 +14,18 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 import xml.etree.ElementTree as ElementTree
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 
-# Preset of CMakePresets.json: what it is for.
+# Preset of CMakePresets.json: what it is for. The first is built in seconds, the second with the tests' Python.
 CONFIGURATIONS = {
-    "release": "everything but the few tests on large meshes (make test-long)",
     "minimal": "the solver and all above it without the optional libraries",
+    "release": "everything but the few tests on large meshes (make test-long)",
     "asan": "the tests labelled small, with address and undefined-behaviour sanitizers",
     "tsan": "the tests of several threads, with the thread sanitizer",
 }
@@ -46,9 +49,27 @@ class Count:
         return f"{self.passed} passed, {self.failed} failed"
 
 
-def run(*command):
-    """True if the command succeeds."""
-    return subprocess.run(command, cwd=ROOT).returncode == 0
+def run(*command, output=None):
+    """True if the command succeeds. Its output goes to a file, if one is given."""
+    return subprocess.run(command, cwd=ROOT, stdout=output, stderr=subprocess.STDOUT if output else None).returncode == 0
+
+
+def build(preset, log):
+    """True if a configuration could be built. Its output goes to a file."""
+    with log.open("wb") as output:
+        return all(run(*command, output=output) for command in build_commands(preset))
+
+
+def follow(path, work):
+    """Prints what is written to a file until `work`, a future, is done. Returns the result of `work`."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        while True:
+            is_done = work.done()  # before the last reading
+            sys.stdout.write(file.read())
+            sys.stdout.flush()
+            if is_done:
+                return work.result()
+            time.sleep(0.1)
 
 
 def find_reason(output):
@@ -79,13 +100,16 @@ def read_results(junit):
     return count
 
 
-def test(preset):
-    """Configures, builds and runs one configuration."""
+def build_commands(preset):
     configure = ["cmake", "--preset", preset, "-DMESHGRAFT_BUILD_TESTS=ON"]
-    if preset == "release":
-        configure.append("-DMESHGRAFT_BUILD_PYTHON=ON")
-    if not run(*configure) or not run("cmake", "--build", "--preset", preset):
-        return Count(failed=1, failures=["does not build"])
+    build = ["cmake", "--build", "--preset", preset]
+    if preset != "release":
+        return [configure, build]
+    return [[str(ROOT / "tools/bootstrap.sh"), "test"], [*configure, "-DMESHGRAFT_BUILD_PYTHON=ON"], build]
+
+
+def test(preset):
+    """Runs the tests of a configuration that is built."""
     junit = ROOT / "build" / preset / "tests.xml"
     junit.unlink(missing_ok=True)
     succeeded = run("ctest", "--preset", preset, "--output-junit", str(junit))
@@ -105,15 +129,27 @@ def main(names):
         os.environ.setdefault("CCACHE_BASEDIR", str(ROOT))  # and clones in other places, too
         os.environ.setdefault("CCACHE_NOHASHDIR", "1")
 
+    names = names or list(CONFIGURATIONS)
     lines, total = [], Count()
-    for name in names or CONFIGURATIONS:
-        print(f"\n== {name}: {CONFIGURATIONS[name]}", flush=True)
-        start = time.monotonic()
-        count = test(name)
-        skipped = f", {count.skipped} skipped" if count.skipped else ""
-        lines.append(f"{name:<12} {count}{skipped} ({time.monotonic() - start:.0f} s)")
-        count.failures = [f"{name}: {failure}" for failure in count.failures]
-        total += count
+    # One builder: a build takes all processors by itself.
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(max_workers=1) as builder:
+        logs = {name: Path(folder) / name for name in names}
+        builds = {}
+        for name, log in logs.items():
+            log.touch()
+            builds[name] = builder.submit(build, name, log)
+        try:
+            for name in names:
+                print(f"\n== {name}: {CONFIGURATIONS[name]}", flush=True)
+                is_built = follow(logs[name], builds[name])
+                start = time.monotonic()
+                count = test(name) if is_built else Count(failed=1, failures=["does not build"])
+                skipped = f", {count.skipped} skipped" if count.skipped else ""
+                lines.append(f"{name:<12} {count}{skipped} ({time.monotonic() - start:.0f} s)")
+                count.failures = [f"{name}: {failure}" for failure in count.failures]
+                total += count
+        finally:
+            builder.shutdown(cancel_futures=True)
 
     print("", *total.failures, *lines, sep="\n")
     if total.skipped:

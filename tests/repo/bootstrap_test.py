@@ -127,6 +127,11 @@ class Bootstrap(unittest.TestCase):
         self.assertEqual(self.run_for("test", MESHGRAFT_PYTHON=python)[0].stdout, "")
         self.assertEqual(self.run_for("build", MESHGRAFT_PYTHON=python, MESHGRAFT_VENV="/nowhere")[0].returncode, 0)
 
+    def test_makes_no_environment_where_none_is_wanted(self):
+        self.debian(packages("build", "test"))
+        result, calls = self.run_for("build", "test", MESHGRAFT_PYTHON=self.python(), MESHGRAFT_VENV="none")
+        self.assertEqual((result.returncode, result.stdout, calls), (0, "", []))
+
     def test_says_so_where_the_environment_cannot_be_made(self):
         self.debian(packages("build", "test"))
         result, _ = self.run_for("test", MESHGRAFT_PYTHON=self.python(status=1), MESHGRAFT_VENV=str(self.bin / "other"))
