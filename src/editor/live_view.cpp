@@ -157,8 +157,7 @@ bool LiveView::is_roomy() const {
 }
 
 void LiveView::park() {
-  shown_.dragged = last_pose_ - *shown_.origin;
-  *shown_.origin = -1;
+  shown_.dragged = last_pose_ - shown_.numbers->park();
   parked_ = std::move(shown_);
   shown_ = {};
 }
@@ -166,7 +165,7 @@ void LiveView::park() {
 void LiveView::resume() {
   shown_ = std::move(*parked_);
   parked_.reset();
-  *shown_.origin = last_pose_ - shown_.dragged;
+  shown_.numbers->resume(last_pose_ - shown_.dragged);
   send_roles();
 }
 
@@ -202,26 +201,26 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   send_roles();
   if (!is_plain(step)) return;
 
-  shown_.origin = std::make_shared<std::atomic<std::int64_t>>(last_pose_);
+  shown_.numbers = std::make_shared<FrameNumbers>(last_pose_);
   shown_.options = step.settings.deformer;
   const auto on_frame = [outbox = outbox_, base = base_, moving = shown_.moving, exact = exact_,
-                         exact_alone = exact_alone_, origin = shown_.origin](LiveFrame frame) {
-    const std::int64_t first = *origin;
-    if (first < 0) return;
-    frame.pose += first;
-    exact->take(frame.pose, frame);
-    if (frame.accuracy == FrameAccuracy::exact || !*exact_alone)
-      outbox.send(position_frame(*base, *moving, frame), "frame");
-    Json fields = {{"pose", frame.pose}, {"accuracy", to_string(frame.accuracy)}, {"seconds", frame.seconds}};
-    if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
-    outbox.tell("live", std::move(fields), "live");
+                         exact_alone = exact_alone_, numbers = shown_.numbers](LiveFrame frame) {
+    numbers->number(frame.pose, [&](std::int64_t number) {
+      frame.pose = number;
+      exact->take(frame.pose, frame);
+      if (frame.accuracy == FrameAccuracy::exact || !*exact_alone)
+        outbox.send(position_frame(*base, *moving, frame), "frame");
+      Json fields = {{"pose", frame.pose}, {"accuracy", to_string(frame.accuracy)}, {"seconds", frame.seconds}};
+      if (frame.error_rel) fields["error_rel"] = *frame.error_rel;
+      outbox.tell("live", std::move(fields), "live");
+    });
   };
-  const auto on_failure = [outbox = outbox_, exact = exact_, origin = shown_.origin](std::int64_t pose,
-                                                                                     const Error& error) {
-    const std::int64_t first = *origin;
-    if (first < 0) return;
-    exact->fail(pose == 0 ? 0 : pose + first);
-    outbox.tell("live", {{"pose", pose == 0 ? 0 : pose + first}, {"error", error_json(error)}});
+  const auto on_failure = [outbox = outbox_, exact = exact_, numbers = shown_.numbers](std::int64_t pose,
+                                                                                       const Error& error) {
+    numbers->number(pose, [&](std::int64_t number) {
+      exact->fail(pose == 0 ? 0 : number);
+      outbox.tell("live", {{"pose", pose == 0 ? 0 : number}, {"error", error_json(error)}});
+    });
   };
   Context context;
   context.progress = [outbox = outbox_](const Progress& progress) {

@@ -15,6 +15,7 @@
 #include <meshgraft/deform/live_deformer.h>
 
 #include "folders.h"
+#include "frame_numbers.h"
 #include "objects.h"
 #include "protocol.h"
 
@@ -108,9 +109,6 @@ class LiveView {
   void show_document();
   std::shared_ptr<const Points> exact_positions(const Context& context);
 
-  // Offset of a set-up's frame numbers. Negative: the set-up is parked and its frames are not shown.
-  using Origin = std::shared_ptr<std::atomic<std::int64_t>>;
-
   // All state of a shown step, so that it can be parked and resumed at once.
   struct Shown {
     Json key;
@@ -120,7 +118,7 @@ class LiveView {
     std::optional<SymmetryReport> symmetry;
     std::vector<Note> notes;        ///< without those about poses
     std::vector<HandlePose> poses;  ///< of the document
-    Origin origin;
+    std::shared_ptr<FrameNumbers> numbers;
     std::int64_t dragged = 0;  ///< number of poses requested until it was parked
     DeformerOptions options;
     bool refined = false;                ///< whether the solve has more vertices than the mesh
