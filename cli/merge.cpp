@@ -50,6 +50,7 @@ struct MergeArguments {
   double normal_angle_deg = 0;
   bool fix_winding = false, smooth_boundary = false, no_retry = false;
   std::optional<int> band;
+  std::optional<double> blend_colours;
   std::optional<StripMethod> strip;
   std::vector<const CLI::Option*> plain_options;
   // The following options are for both cases.
@@ -171,6 +172,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
   step.fix_winding = arguments.fix_winding;
   step.smooth_boundary = arguments.smooth_boundary;
   step.retry = !arguments.no_retry;
+  step.settings.seam.blend_colours = arguments.blend_colours.value_or(step.settings.seam.blend_colours);
   step.settings.seam.target_rings = arguments.band.value_or(step.settings.seam.target_rings);
   step.settings.seam.strip = arguments.strip.value_or(step.settings.seam.strip);
   return step;
@@ -443,6 +445,10 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
   plain(command.add_option("--band", arguments.band, "Rings of the target that fairing may move; 0 moves none")
             ->type_name("N")
             ->check(whole_number_from(0, 100)));
+  plain(command
+            .add_option("--blend-colours", arguments.blend_colours,
+                        "Mix the vertex colours of both meshes within this length from the seam")
+            ->type_name("LENGTH"));
   plain(add_choice<StripMethod>(command, "--strip", arguments.strip,
                                 {{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}},
                                 "How the gap between loops is filled"));

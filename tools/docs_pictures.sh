@@ -36,6 +36,17 @@ shapes horns "0.5 -1 0.4"
 shapes dinosaur_bust "0.8 -1 0.3"
 shapes bracket_on_posts "0.5 -1 0.6"
 
+# The colours at a seam: of both meshes, blended, and a source without colours.
+"$program" sample bust -o "$scratch/bust.ply"
+"$program" sample dinosaur -o "$scratch/dinosaur.ply"
+"$program" cut "$scratch/dinosaur.ply" --plane z=2.3 --keep above -o "$scratch/neck.ply"
+"$program" cut "$scratch/dinosaur.ply" --plane z=2.3 --keep above -o "$scratch/neck.stl"
+"$program" merge "$scratch/bust.ply" "$scratch/neck.ply" -o "$scratch/both.ply"
+"$program" merge "$scratch/bust.ply" "$scratch/neck.ply" -o "$scratch/blended.ply" --blend-colours 0.3
+"$program" merge "$scratch/bust.ply" "$scratch/neck.stl" -o "$scratch/of_target.ply"
+"$program" render "$scratch/both.ply" "$scratch/blended.ply" "$scratch/of_target.ply" \
+  -o docs/images/merge_colours.png --width 440 --height 480
+
 (cd page && MESHGRAFT_PIXEL_RATIO=1 MESHGRAFT_SCREENSHOTS=../docs/images node node_modules/vitest/vitest.mjs run tests/e2e/tour.test.ts)
 
 if [ -d build/release/python/meshgraft ]; then

@@ -20,9 +20,11 @@
 #include "mesh/join.h"
 #include "ring_removal.h"
 #include "seam_attributes.h"
+#include "seam_colours.h"
 #include "seam_fairing.h"
 #include "seam_patch.h"
 #include "seam_report.h"
+#include "seam_texture.h"
 
 namespace meshgraft {
 
@@ -39,6 +41,7 @@ void check_options(const SeamOptions& options) {
   require(options.fairings >= 0, facts::core::Negative{.value = options.fairings}, "fairings");
   require(options.target_rings >= 0, facts::core::Negative{.value = options.target_rings}, "target_rings");
   require(options.source_rings >= 0, facts::core::Negative{.value = options.source_rings}, "source_rings");
+  require(options.blend_colours >= 0, facts::core::Negative{.value = options.blend_colours}, "blend_colours");
   require(options.sharp_angle_deg >= 0 && options.sharp_angle_deg <= 180,
           facts::core::OutOfRange{.value = options.sharp_angle_deg, .low = 0, .high = 180}, "sharp_angle_deg");
 }
@@ -202,6 +205,7 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   label_sides(mesh, layout);
   std::vector<std::array<Index, 3>> strips;
   std::vector<Index> beside;
+  std::vector<StripLoops> loops;
   {
     const BorderFaces faces(mesh);
     for (std::size_t k = 0; k < order.size(); ++k) {
@@ -210,11 +214,13 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
       const auto strip = fill_gap(gap_side(mesh, faces, opened.loops[k], true),
                                   gap_side(mesh, faces, source_loop, false), options.strip, context);
       const auto strip_beside = neighbours(strip, opened.loops[k], faces, layout.target_vertices);
+      loops.push_back({opened.loops[k], source_loop});
       strips.insert(strips.end(), strip.begin(), strip.end());
       beside.insert(beside.end(), strip_beside.begin(), strip_beside.end());
     }
   }
   add_strip(mesh, strips, beside);
+  continue_texture(mesh, layout.target_faces + layout.source_faces, beside);
   for (Index f = layout.target_faces + layout.source_faces; f < mesh.face_count(); ++f)
     result.new_faces.push_back(f);
 
@@ -225,6 +231,11 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   renew_normals(mesh, layout, unfaired);
 
   context.step("seam", 0.8);
+  if (source.find_attribute(Domain::vertex, "colour") == nullptr)
+    colour_source_like_target(mesh, layout, loops);
+  blend_colours(mesh, layout, loops, options.blend_colours);
+  if (options.blend_colours > 0 && mesh.find_attribute(Domain::vertex, "colour") == nullptr)
+    result.notes.push_back(facts::merge::NoColoursToBlend{});
   result.report = measure_seam(mesh, layout, unfaired);
   constexpr double folded_deg = 120;  // chosen: edges bent more look folded over
   if (options.fairing_method == FairingMethod::curvature &&

@@ -48,15 +48,16 @@ Attribute per_corner(const Mesh& mesh, const Attribute& attribute) {
   return result;
 }
 
-// Returns the attributes of `mesh`. Vertex attributes that `other` has per corner (UVs, normals) become
-// corner attributes.
+// Returns the attributes of `mesh`. Vertex attributes that `other` has per corner (normals) become corner
+// attributes, and so do UVs: where the meshes meet, a vertex has those of both.
 std::vector<Attribute> attributes_like(const Mesh& mesh, const Mesh& other) {
   std::vector<Attribute> result;
   for (const Attribute& attribute : mesh.attributes) {
     if (!has_all_values(mesh, attribute)) continue;
+    const bool has_other_charts =
+        attribute.name == "uv" || other.find_attribute(Domain::corner, attribute.name) != nullptr;
     const bool promoted = attribute.domain == Domain::vertex && attribute.name != "colour" &&
-                          other.find_attribute(Domain::corner, attribute.name) &&
-                          !mesh.find_attribute(Domain::corner, attribute.name);
+                          has_other_charts && mesh.find_attribute(Domain::corner, attribute.name) == nullptr;
     result.push_back(promoted ? per_corner(mesh, attribute) : attribute);
   }
   return result;

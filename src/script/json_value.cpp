@@ -149,6 +149,12 @@ double Value::positive_number() const {
   return value;
 }
 
+double Value::non_negative_number() const {
+  const double value = number();
+  if (!(value >= 0)) fail(facts::core::Negative{.value = value});
+  return value;
+}
+
 std::int64_t Value::integer_in(std::int64_t min, std::int64_t max) const {
   if (!json_->is_number_integer()) fail_type(facts::script::Type::integer);
   const bool too_large =

@@ -55,6 +55,7 @@ class Value {
   double number() const;
   double number_in(double min, double max) const;
   double positive_number() const;
+  double non_negative_number() const;
   std::int64_t integer_in(std::int64_t min, std::int64_t max) const;
   std::uint64_t unsigned_integer() const;
   Index vertex() const;

@@ -91,7 +91,7 @@ Reach parse_reach(const Value& value) {
 MergeSettings parse_merge_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());
   known.insert(known.end(), {"strip", "edge_ratio", "refine_radius", "fairing_method", "fairings",
-                             former_fairings, "band", "sharp_angle_deg"});
+                             former_fairings, "band", "sharp_angle_deg", "blend_colours"});
   const Object fields(value, known);
   MergeSettings settings;
   settings.preset = parse_preset(fields);
@@ -112,6 +112,7 @@ MergeSettings parse_merge_settings(const Value& value) {
     fields.optional(name, [&](const Value& v) { seam.fairings = static_cast<int>(v.integer_in(0, 1000)); });
   fields.optional("band", [&](const Value& v) { seam.target_rings = static_cast<int>(v.integer_in(0, 100)); });
   fields.optional("sharp_angle_deg", [&](const Value& v) { seam.sharp_angle_deg = v.number_in(0, 180); });
+  fields.optional("blend_colours", [&](const Value& v) { seam.blend_colours = v.non_negative_number(); });
   return settings;
 }
 

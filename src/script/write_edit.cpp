@@ -346,6 +346,7 @@ Json settings_json(const MergeSettings& settings) {
   json["fairings"] = settings.seam.fairings;
   json["band"] = settings.seam.target_rings;
   json["sharp_angle_deg"] = settings.seam.sharp_angle_deg;
+  json["blend_colours"] = settings.seam.blend_colours;
   return json;
 }
 

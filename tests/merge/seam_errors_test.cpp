@@ -51,6 +51,7 @@ TEST(Seam, RefusesWhatItCannotJoin) {
   expect_refused(good.target, good.source, good.pairs, {.fairings = -1}, "core.negative");
   expect_refused(good.target, good.source, good.pairs, {.target_rings = -1}, "core.negative");
   expect_refused(good.target, good.source, good.pairs, {.sharp_angle_deg = std::nan("")}, "core.out_of_range");
+  expect_refused(good.target, good.source, good.pairs, {.blend_colours = -1}, "core.negative");
 
   Graft bad = good;
   bad.source.positions(3, 1) = std::numeric_limits<double>::quiet_NaN();

@@ -79,6 +79,7 @@ TEST(MergeEditFile, KeepsEveryField) {
   EXPECT_EQ(merge.settings.seam.fairings, 4);
   EXPECT_EQ(merge.settings.seam.target_rings, 0);
   EXPECT_EQ(merge.settings.seam.sharp_angle_deg, 30);
+  EXPECT_EQ(merge.settings.seam.blend_colours, 0.25);
   EXPECT_EQ(merge.counts.source_loops, (std::vector<Index>{3, 3}));
   EXPECT_EQ(merge.counts.free, 1);
 

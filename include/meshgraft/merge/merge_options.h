@@ -90,6 +90,7 @@ struct SeamOptions {
   int target_rings = 3;         ///< rings of the target that they may move; 0 leaves it unchanged bit for bit
   int source_rings = 3;         ///< rings of the source that they may move
   double sharp_angle_deg = 45;  ///< edges of the target sharper than this do not move
+  double blend_colours = 0;     ///< length along edges within which both sides' vertex colours mix, model units
 };
 
 struct MergePair {

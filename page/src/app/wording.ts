@@ -321,6 +321,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
         ? "Cut it open first."
         : "Cut it open first, or drop the part on its surface.",
   }),
+  "merge.no_colours_to_blend": () => ({ problem: "neither the model nor the part has vertex colours to blend" }),
   "merge.no_hole": ({ largest }) => ({
     remedy: `Use a size of at most ${formatNumber(largest, 3)}, or drag it to another place.`,
   }),
