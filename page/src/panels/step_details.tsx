@@ -4,7 +4,7 @@ import type { Page } from "../app/page";
 import { readStep, type GraftFields } from "../app/graft/graft_step";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
-import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
+import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
 import { degrees, Segments, Select, Slider } from "./ui/fields";
 import { More } from "./ui/section";
@@ -129,6 +129,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       <ShapeField step={step} keep={keep} />
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
       <More label="More options">
+        <BlendColours page={page} step={step} keep={keep} />
         <LoopToggles step={step} keep={keep} />
       </More>
     </div>

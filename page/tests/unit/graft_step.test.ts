@@ -15,6 +15,12 @@ test("reads a merge step, with the defaults of the edit file", () => {
   expect(readStep({ target: "a", source: "b" })).toMatchObject({ shape: "similar", pairs: [], hasFixed: false });
 });
 
+test("reads the settings that the panel shows, and keeps the others", () => {
+  expect(readStep(step)).toMatchObject({ retry: true, blendColours: 0, settings: {} });
+  const settings = { strip: "greedy", blend_colours: 0.3 };
+  expect(readStep({ ...step, retry: false, settings })).toMatchObject({ retry: false, blendColours: 0.3, settings });
+});
+
 test("reads a start that is stored as the first of the matches", () => {
   const pairs = [{ source_loop: { loop: 0 }, target_loop: { loop: 0 }, matches: [[0, 7], [3, 4]] }];
   expect(readStep({ source: "a", target: "b", pairs }).pairs[0]).toMatchObject({ start: [0, 7], matches: [[3, 4]] });

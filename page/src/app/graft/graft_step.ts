@@ -45,6 +45,10 @@ export interface GraftStep {
   readonly fixWinding: boolean;
   /** Whether other settings are tried where the seam has faults. */
   readonly retry: boolean;
+  /** Of the solve and the seam, in the form of the edit file. */
+  readonly settings: object;
+  /** The length from the seam within which vertex colours mix. */
+  readonly blendColours: number;
 }
 
 /** Reads `state.graft.step`, which has the form of a merge step in docs/edit-file.md. */
@@ -66,6 +70,8 @@ export function readStep(step: object): GraftStep {
     smoothBoundary: rest.smooth_boundary ?? false,
     fixWinding: rest.fix_winding ?? false,
     retry: rest.retry ?? true,
+    settings: rest.settings ?? {},
+    blendColours: (rest.settings as { blend_colours?: number } | null | undefined)?.blend_colours ?? 0,
   };
 }
 

@@ -1,4 +1,5 @@
 import type { ComponentChildren } from "preact";
+import type { Page } from "../../app/page";
 import type { GraftFields, GraftStep, Vector3Tuple } from "../../app/graft/graft_step";
 import { IconButton } from "../ui/button";
 import { degrees, Segments, Select, Slider, Toggle } from "../ui/fields";
@@ -157,6 +158,29 @@ export function MirrorField({ step, keep, middle }: GraftFieldsProps & { middle:
         ...(value === "other" ? [{ value: "other" as const, label: "Another plane" }] : []),
       ]}
       onChange={mirror}
+    />
+  );
+}
+
+/** The length within which the vertex colours of part and model mix. */
+export function BlendColours({ page, step, keep }: GraftFieldsProps & { page: Page }) {
+  const diagonal = page.editor.state.value?.model.diagonal ?? 1;
+  const unit = page.editor.view.unit.value;
+  return (
+    <Slider
+      label="Blend colours"
+      value={step.blendColours}
+      min={0}
+      max={1e6 * diagonal}
+      softMin={0}
+      softMax={0.3 * diagonal}
+      quantity="length"
+      unit={unit}
+      suffix={unit === "none" ? "" : unit}
+      step={0.01 * diagonal}
+      digits={3}
+      help="How far from the seam the vertex colours of part and model mix."
+      onChange={(length) => keep({ settings: { ...step.settings, blend_colours: length } })}
     />
   );
 }

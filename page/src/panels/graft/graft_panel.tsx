@@ -9,7 +9,7 @@ import type { Page } from "../../app/page";
 import { PartLibrary } from "./graft_library";
 import { CutInWork, CutPanel } from "./graft_cut";
 import { PartsPanel } from "./graft_parts";
-import { GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
+import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { GraftReportView } from "./graft_report";
 import { Rotations } from "./rotations";
 import { Button, IconButton } from "../ui/button";
@@ -82,6 +82,7 @@ function GraftPanel({ page }: { page: Page }) {
       />
       {step.at === undefined && <PoseFields page={page} step={step} />}
       <More label="More options">
+        <BlendColours page={page} step={step} keep={keep} />
         <LoopToggles step={step} keep={keep} />
         <Button
           label="Swap part and model"
