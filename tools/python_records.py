@@ -98,6 +98,8 @@ DOCS = {
     "MergeReport.factorise_seconds": "Time to factorise them.",
     "MergeReport.solve_seconds": "Time of the rest of the solve.",
     "MergeReport.seam_seconds": "Time to make the seam.",
+    "MergeReport.retry": "Further grafts, where the first one had faults at its seams.",
+    "MergeReport.retry_seconds": "Time of these further grafts; the times above are of the first one.",
     "MergeReport.total_seconds": "Time of the whole merge.",
     "SampleInfo": "A built-in model, which `meshgraft.sample` makes.",
     "SampleInfo.name": 'The name that `meshgraft.sample` takes: "octopus", "head", …',

@@ -50,8 +50,9 @@ class Stages(unittest.TestCase):
         self.assertLessEqual(set(worded), set(STAGES))
 
     def test_every_task_is_named_in_the_library(self):
-        source = (ROOT / "src/deform/live/live_deformer.cpp").read_text()
-        self.assertEqual(re.findall(r'\bbehind\("(\w+)"\)', source), TASKS)
+        named = {task for source in sorted((ROOT / "src").rglob("*.cpp"))
+                 for task in re.findall(r'\b(?:behind|context\.within)\("(\w+)"', source.read_text())}
+        self.assertEqual(sorted(named), sorted(TASKS))
 
 
 if __name__ == "__main__":

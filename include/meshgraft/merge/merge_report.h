@@ -39,7 +39,7 @@ struct SeamReport {
   /// Largest displacement of a target vertex, × the diagonal of the result.
   double band_displacement_rel = 0;
   double source_edge_ratio = 1;  ///< mean edge length of the source's loops / that of the target's
-  SeamFaults faults;
+  SeamFaults faults;             ///< that the inputs did not have
 };
 
 /// Grafts with other values of settings that the options leave open (`MergeOptions::retry`).
@@ -106,7 +106,7 @@ struct MergeReport {
   RetryReport retry;
   Index source_vertices_added = 0, target_vertices_added = 0;  ///< added by refinement
   std::vector<Note> notes;
-  /// Of the first graft, but for those of all further ones.
+  // Those of the first graft, and `retry_seconds` of all further ones.
   double match_seconds = 0, assemble_seconds = 0, factorise_seconds = 0, solve_seconds = 0, seam_seconds = 0,
          retry_seconds = 0;
   double total_seconds = 0;
