@@ -448,7 +448,8 @@ void add_seam_options(CLI::App& command, MergeArguments& arguments) {
   plain(command
             .add_option("--blend-colours", arguments.blend_colours,
                         "Mix the vertex colours of both meshes within this length from the seam")
-            ->type_name("LENGTH"));
+            ->type_name("LENGTH")
+            ->check(positive_number()));
   plain(add_choice<StripMethod>(command, "--strip", arguments.strip,
                                 {{"greedy", StripMethod::greedy}, {"optimal", StripMethod::optimal}},
                                 "How the gap between loops is filled"));

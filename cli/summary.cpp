@@ -48,11 +48,14 @@ void print_merge(const StepReport& step, const std::string& name) {
       seam.closed ? "closed, " : "", seam.angle_p1_deg, seam.dihedral_p99_deg, seam.target_dihedral_p99_deg,
       seam.source_dihedral_p99_deg, 100 * seam.band_displacement_rel);
   const StageSeconds& seconds = step.seconds;
+  const std::string retries =
+      report.retry.tries == 0 ? std::string()
+                              : fmt::format(", {} further grafts {:.2f} s", report.retry.tries, seconds.retry);
   fmt::print(
       "  {}{} vertices, {} faces in {:.2f} s (match {:.2f} s, set-up {:.2f} s, solve {:.2f} s, seam {:.2f} "
-      "s)\n",
+      "s{})\n",
       name, step.counts.vertices, step.counts.faces, seconds.total, seconds.match,
-      seconds.assemble + seconds.factorise, seconds.solve, seconds.seam);
+      seconds.assemble + seconds.factorise, seconds.solve, seconds.seam, retries);
 }
 
 void print_cut(const StepReport& step, const std::string& name) {

@@ -5,11 +5,12 @@
     tools/run_tests.py release asan  some of them
 
 While one configuration is tested, the next ones are built: tests wait for pictures, disks and each other, and builds wait
-for downloads. The end names each failed test with a line of its output. The last line is "N passed, N failed" over all
-configurations; the exit status is 1 if anything failed. A configuration that does not build counts as one failure and
-does not stop the others.
+for downloads. The end names each failed test with a line of its output, then the seconds of the tests of each
+configuration. The last line is "N passed, N failed" over all of them; the exit status is 1 if anything failed. A
+configuration that does not build counts as one failure and does not stop the others.
 """
 
+import codecs
 import os
 import shutil
 import subprocess
@@ -55,17 +56,22 @@ def run(*command, output=None):
 
 
 def build(preset, log):
-    """True if a configuration could be built. Its output goes to a file."""
+    """True if a configuration could be built. Its output goes to a file. What the system refuses is a failure, too."""
     with log.open("wb") as output:
-        return all(run(*command, output=output) for command in build_commands(preset))
+        try:
+            return all(run(*command, output=output) for command in build_commands(preset))
+        except OSError as error:
+            output.write(f"run_tests.py: {error}\n".encode())
+            return False
 
 
 def follow(path, work):
     """Prints what is written to a file until `work`, a future, is done. Returns the result of `work`."""
-    with open(path, encoding="utf-8", errors="replace") as file:
+    decoder = codecs.getincrementaldecoder("utf-8")("replace")  # what is read may end within a character
+    with open(path, "rb") as file:
         while True:
             is_done = work.done()  # before the last reading
-            sys.stdout.write(file.read())
+            sys.stdout.write(decoder.decode(file.read()))
             sys.stdout.flush()
             if is_done:
                 return work.result()
@@ -123,6 +129,8 @@ def main(names):
     unknown = [name for name in names if name not in CONFIGURATIONS]
     if unknown:
         sys.exit(f"run_tests.py: no configuration {', '.join(unknown)}; there are {', '.join(CONFIGURATIONS)}")
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="replace")  # where it is not UTF-8
     os.environ.setdefault("CTEST_PARALLEL_LEVEL", str(os.cpu_count() or 1))
     if shutil.which("ccache"):  # configurations that compile a source alike do it once
         os.environ.setdefault("CMAKE_CXX_COMPILER_LAUNCHER", "ccache")

@@ -136,8 +136,8 @@ class Edit:
               align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
               source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
               fixed: Any = None, reach_rings: int | None = None, reach_length: float | None = None,
-              features: Sequence[Any] | None = None, smooth_boundary: bool | None = None, fix_winding: bool | None = None, retry: bool | None = None,
-              result: str | None = None, name: str | None = None, about: str | None = None,
+              features: Sequence[Any] | None = None, smooth_boundary: bool | None = None, fix_winding: bool | None = None,
+              retry: bool | None = None, result: str | None = None, name: str | None = None, about: str | None = None,
               **settings: Unpack[MergeKeywords]) -> Self:
         """Adds a merge step; with `at`, a drop. The arguments are those of `meshgraft.merge` and `meshgraft.drop`."""
         step = merge_step(target, source, (None, None), dict(

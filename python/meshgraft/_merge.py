@@ -163,14 +163,15 @@ def merge(target: M, source: Any, *, pairs: Sequence[tuple[Any, Any]] | None = N
     the source is mirrored in first; `source_transform`: a 4x4 matrix, or `align`: three or more matches, poses it.
     `features`: vertex sets of the source that keep their shape, or pairs (vertices, "affine"). `reach_rings`,
     `reach_length`: how far from its loops the source may deform. `strict`: raise an error where the result intersects itself.
-    `target_orientation`, `source_orientation`: (up, front) of a model, such as ("z", "-y"), for a start that is found; guessed
-    without it. `result.report.pairs[0].starts` are the most probable starts.
+    `retry=False`: keep the first graft, also with faults at its seam. `blend_colours`: a length from the seam within which
+    vertex colours mix. `target_orientation`, `source_orientation`: (up, front) of a model, such as ("z", "-y"), for a
+    start that is found; guessed without it. `result.report.pairs[0].starts` are the most probable starts.
     """
     arguments = dict(pairs=pairs, matches=matches, pose=pose, shape=shape, align=align, mirror=mirror,
                      source_transform=source_transform, size=size, normal_angle_deg=normal_angle_deg, fixed=fixed,
                      reach_rings=reach_rings, reach_length=reach_length, features=features, smooth_boundary=smooth_boundary,
-                     fix_winding=fix_winding, retry=retry, target_orientation=target_orientation, source_orientation=source_orientation,
-                     settings=settings)
+                     fix_winding=fix_winding, retry=retry, target_orientation=target_orientation,
+                     source_orientation=source_orientation, settings=settings)
     return _run("merge", target, source, arguments, strict=strict, threads=threads, progress=progress)
 
 
@@ -180,8 +181,8 @@ def drop(target: M, source: Any, at: Any, *, spin_deg: float | None = None, sour
          shape: MergeShape | None = None, align: Sequence[tuple[Any, Any]] | None = None, mirror: Any = None,
          source_transform: ArrayLike | None = None, size: float | None = None, normal_angle_deg: float | None = None,
          reach_rings: int | None = None, reach_length: float | None = None, features: Sequence[Any] | None = None,
-         smooth_boundary: bool | None = None, fix_winding: bool | None = None, retry: bool | None = None, strict: bool = False, threads: int = 0,
-         progress: Progress = None, **settings: Unpack[MergeKeywords]) -> MergeResult[M]:
+         smooth_boundary: bool | None = None, fix_winding: bool | None = None, retry: bool | None = None,
+         strict: bool = False, threads: int = 0, progress: Progress = None, **settings: Unpack[MergeKeywords]) -> MergeResult[M]:
     """Grafts `source` onto a surface without a hole: `at` a vertex, or at the point of the surface nearest to a point.
 
     `spin_deg`: rotation about the surface's normal. `source_loop`: the loop of the source, if it has several. A

@@ -65,16 +65,14 @@ Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& as
   return trial;
 }
 
-/// Grafts again with other settings where the seam has faults.
+/// Grafts again with other settings where the seam has faults. The first of these grafts is the same as before.
 void retry_in_hole(Trial& trial, const Mesh& source, const Context& context) {
   DropResult& drop = trial.drop;
   MergeOptions options = drop.options;
   options.retry = true;
-  MergeResult other = merge_meshes(trial.hole.target, source, trial.hole.pairs, options, context);
-  const RetryReport& retry = other.report.retry;
-  if (retry.faults >= retry.faults_before) return;
-  if (retry.normal_angle_deg != 0) drop.options.normal_angle_deg = retry.normal_angle_deg;
-  drop.merge = std::move(other);
+  drop.merge = merge_meshes(trial.hole.target, source, trial.hole.pairs, options, context);
+  if (const double angle_deg = drop.merge.report.retry.normal_angle_deg; angle_deg != 0)
+    drop.options.normal_angle_deg = angle_deg;
   drop.intersections = count_intersections(source, drop.merge, context);
 }
 

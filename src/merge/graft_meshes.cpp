@@ -64,12 +64,11 @@ SeamResult join_source(const MatchedMeshes& matched, const GraftedSource& grafte
   moved.positions = grafted.found.graft.positions;
   update_normals(moved, source.positions);
   SeamResult seam = make_seam(matched.target, moved, matched.source.pairs, options.seam, context);
-  seam.report.faults = find_seam_faults({.mesh = seam.mesh,
-                                         .new_faces = seam.new_faces,
-                                         .band = seam.band,
-                                         .rest = positions_at_rest(seam, matched.target, source),
-                                         .target_vertices = seam.mesh.vertex_count() - source.vertex_count()},
-                                        context);
+  const SeamLayout layout{.target_vertices = seam.mesh.vertex_count() - source.vertex_count(),
+                          .target_faces = seam.new_faces.front() - source.face_count(),
+                          .source_faces = source.face_count()};
+  seam.report.faults =
+      find_seam_faults({seam.mesh, layout, positions_at_rest(seam, matched.target, source)}, context);
   return seam;
 }
 

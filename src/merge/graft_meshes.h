@@ -29,12 +29,6 @@ struct MadeGraft {
     const SeamFaults& at_seam = seam.report.faults;
     return grafted.found.shape.inverted + at_seam.folded_edges + at_seam.crossings + at_seam.far_crossings;
   }
-  /// Returns the faults weighted: a source that reaches into the target's band with its far side does so
-  /// because it is larger than the room.
-  double weighted_faults() const {
-    constexpr double far = 0.25;  // chosen
-    return static_cast<double>(faults()) - (1 - far) * seam.report.faults.far_crossings;
-  }
 };
 
 /// Poses the source near the target, then deforms it so that its loops meet the target's.

@@ -26,16 +26,18 @@ constexpr double far_off = 4;
 constexpr double pinched = 0.3;
 
 /// Names the settings that differ from those of the first graft.
-std::string settings_of(const RetryReport& retry) {
+std::string settings_of(const MergeReport& report) {
+  const RetryReport& retry = report.retry;
   std::vector<std::string> settings;
   if (retry.reach_doublings > 0)
     settings.push_back(fmt::format("{} × the influence radius", 1 << retry.reach_doublings));
   if (retry.normal_angle_deg != 0)
     settings.push_back(fmt::format("a normal angle of {}°", retry.normal_angle_deg));
-  if (retry.size != 0) settings.push_back(fmt::format("size {:.3g}", retry.size));
-  if (retry.start != 0) settings.push_back(fmt::format("start {} of those that were found", retry.start + 1));
-  if (retry.start_shift != 0)
-    settings.push_back(fmt::format("the start moved by {} % of the loop", 100 * retry.start_shift));
+  if (retry.size != 0) settings.push_back(fmt::format("size {:.6g}", retry.size));
+  if (retry.start != 0 || retry.start_shift != 0) {
+    const Match& start = report.pairs.front().start;
+    settings.push_back(fmt::format("the start {}:{} (target:source)", start.target, start.source));
+  }
   return fmt::format("{}", fmt::join(settings, ", "));
 }
 
@@ -45,7 +47,7 @@ void add_faults(const MergeReport& report, std::vector<Note>& notes) {
     notes.push_back(facts::merge::Retried{.faults_before = retry.faults_before,
                                           .faults = retry.faults,
                                           .tries = retry.tries,
-                                          .settings = settings_of(retry)});
+                                          .settings = settings_of(report)});
   else if (retry.tries > 0)
     notes.push_back(facts::merge::RetriedInVain{.faults = retry.faults, .tries = retry.tries});
   const SeamFaults& faults = report.seam.faults;

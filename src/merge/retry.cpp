@@ -40,7 +40,7 @@ Correspondence restarted(const PairGeometry& geometry, Correspondence found, int
 
 FoundVariation find_variation(const OpenSettings& open, double first, int most,
                               const std::function<double(const Variation&)>& faults_of) {
-  // The values and their order were measured on random grafts (docs/merging.md, "Faults at the seam"): the
+  // The values and their order were measured on random grafts (docs/merging.md, "Random grafts"): the
   // influence radius is seen least and helps most often.
   constexpr int most_rounds = 3;
   FoundVariation found{.best = {}, .faults = first, .tries = 0};
@@ -78,8 +78,8 @@ FoundVariation find_variation(const OpenSettings& open, double first, int most,
 
 RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair> pairs,
                         const MergeOptions& options, const Context& context, MadeGraft& best) {
-  // Measured: 30 further grafts find what more would, and 12 where the start is not open. Chosen: large meshes
-  // get fewer, so that a merge takes at most some five times as long.
+  // Measured: 30 further grafts find what more would, and 12 where the start is not open. Chosen: meshes of
+  // 500,000 vertices and more get four, so that a merge takes at most five times as long.
   constexpr int fewest_tries = 4;
   constexpr Index vertices_of_all_tries = 2'000'000;
   const int most_tries = pairs.size() == 1 ? 30 : 12;
@@ -103,12 +103,11 @@ RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair>
                                                variation.start, variation.start_shift);
     made.grafted = graft_source(matched, made.correspondences, varied, variation.doublings, of_try);
     if (made.grafted.found.doublings < variation.doublings) return impossible;
-    const double least = best.weighted_faults();
-    if (made.grafted.found.shape.inverted >= least) return impossible;
+    if (made.grafted.found.shape.inverted >= best.faults()) return impossible;
     made.seam = join_source(matched, made.grafted, varied, of_try);
-    const double faults = made.weighted_faults();
-    if (faults < least) best = std::move(made);
-    return faults;
+    const Index faults = made.faults();
+    if (faults < best.faults()) best = std::move(made);
+    return static_cast<double>(faults);
   };
   int number = 0;
   const auto faults_of = [&](const Variation& variation) {
@@ -119,11 +118,11 @@ RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair>
       return impossible;
     }
   };
-  const FoundVariation found = find_variation(open, best.weighted_faults(), most, faults_of);
+  const FoundVariation found = find_variation(open, best.faults(), most, faults_of);
   report.tries = found.tries;
   report.faults = best.faults();
   if (found.best == Variation{}) return report;
-  report.reach_doublings = best.grafted.found.doublings;
+  report.reach_doublings = found.best.doublings;
   report.normal_angle_deg = found.best.normal_angle_deg;
   if (found.best.size_ratio != 1) report.size = found.best.size_ratio * found_size;
   report.start = found.best.start;

@@ -224,6 +224,13 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   for (Index f = layout.target_faces + layout.source_faces; f < mesh.face_count(); ++f)
     result.new_faces.push_back(f);
 
+  context.step("seam", 0.5);
+  if (source.find_attribute(Domain::vertex, "colour") == nullptr)
+    colour_source_like_target(mesh, layout, loops, context);
+  blend_colours(mesh, layout, loops, options.blend_colours, context);
+  if (options.blend_colours > 0 && mesh.find_attribute(Domain::vertex, "colour") == nullptr)
+    result.notes.push_back(facts::merge::NoColoursToBlend{});
+
   context.step("seam", 0.6);
   const Points unfaired = mesh.positions;
   const std::vector<Attribute> attributes = mesh.attributes;
@@ -231,11 +238,6 @@ SeamResult make_seam(const Mesh& target, const Mesh& source, std::span<const Loo
   renew_normals(mesh, layout, unfaired);
 
   context.step("seam", 0.8);
-  if (source.find_attribute(Domain::vertex, "colour") == nullptr)
-    colour_source_like_target(mesh, layout, loops);
-  blend_colours(mesh, layout, loops, options.blend_colours);
-  if (options.blend_colours > 0 && mesh.find_attribute(Domain::vertex, "colour") == nullptr)
-    result.notes.push_back(facts::merge::NoColoursToBlend{});
   result.report = measure_seam(mesh, layout, unfaired);
   constexpr double folded_deg = 120;  // chosen: edges bent more look folded over
   if (options.fairing_method == FairingMethod::curvature &&

@@ -9,6 +9,7 @@
 
 #include <meshgraft/mesh/topology.h>
 
+#include "core/sparse_checks.h"
 #include "mesh/interpolate_attribute.h"
 
 namespace meshgraft {
@@ -70,15 +71,20 @@ std::vector<Index> all_of(const std::vector<StripLoops>& strips, std::vector<Ind
 
 }  // namespace
 
-void colour_source_like_target(Mesh& mesh, const SeamLayout& layout, const std::vector<StripLoops>& strips) {
+void colour_source_like_target(Mesh& mesh, const SeamLayout& layout, const std::vector<StripLoops>& strips,
+                               const Context& context) {
   Attribute* colours = find_colours(mesh);
   if (colours == nullptr) return;
   const ExtendedColours target(mesh, *colours, all_of(strips, &StripLoops::target));
-  for (Index v = layout.target_vertices; v < mesh.vertex_count(); ++v)
+  SparseChecks check(context);
+  for (Index v = layout.target_vertices; v < mesh.vertex_count(); ++v) {
+    check();
     if (const auto colour = target.at(mesh.positions.row(v))) set_colour(*colours, v, *colour);
+  }
 }
 
-void blend_colours(Mesh& mesh, const SeamLayout& layout, const std::vector<StripLoops>& strips, double length) {
+void blend_colours(Mesh& mesh, const SeamLayout& layout, const std::vector<StripLoops>& strips, double length,
+                   const Context& context) {
   Attribute* colours = find_colours(mesh);
   if (colours == nullptr || length <= 0) return;
   const std::vector<Index> of_target = all_of(strips, &StripLoops::target),
@@ -89,7 +95,9 @@ void blend_colours(Mesh& mesh, const SeamLayout& layout, const std::vector<Strip
   const IndexLists rings = vertex_rings(mesh.vertex_count(), mesh.faces);
   const std::vector<double> distance = edge_distance(seam, mesh.positions, rings, {.limit = length});
   std::vector<std::pair<Index, Eigen::VectorXd>> mixed;
+  SparseChecks check(context);
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    check();
     if (!(distance[v] < length)) continue;
     const auto other =
         (layout.side_of_vertex(v) == SeamSide::target ? source : target).at(mesh.positions.row(v));

@@ -19,26 +19,25 @@ namespace meshgraft {
 
 namespace {
 
-/// Returns, per vertex, whether it belongs to a strip or a band.
+/// Returns, per vertex, whether it is within three rings of a strip, which is where bands are by default.
 Flags near_seam(const JoinedMesh& joined) {
+  constexpr int rings = 3;
   Flags near(joined.mesh.vertex_count(), 0);
-  for (const Index v : joined.band) near[v] = 1;
-  for (const Index face : joined.new_faces)
-    for (const Index v : joined.mesh.faces[face]) near[v] = 1;
+  for (const Index v : make_seam_patch(joined.mesh, joined.layout, rings).vertex) near[v] = 1;
   return near;
 }
 
 /// Returns the vertices' positions at rest, the source's moved away from the target.
 Points rest_apart(const JoinedMesh& joined) {
   Points rest = joined.rest;
-  const Eigen::Index source = rest.rows() - joined.target_vertices;
-  if (source == 0 || joined.target_vertices == 0) return rest;
+  const Eigen::Index source = rest.rows() - joined.layout.target_vertices;
+  if (source == 0 || joined.layout.target_vertices == 0) return rest;
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
     const double x = rest(v, 0);
     if (!std::isfinite(x)) continue;
-    if (v < joined.target_vertices) highest = std::max(highest, x);
-    if (v >= joined.target_vertices) lowest = std::min(lowest, x);
+    if (v < joined.layout.target_vertices) highest = std::max(highest, x);
+    if (v >= joined.layout.target_vertices) lowest = std::min(lowest, x);
   }
   const double size = std::max(std::abs(highest), std::abs(lowest));
   if (std::isfinite(size)) rest.col(0).tail(source).array() += highest - lowest + size;

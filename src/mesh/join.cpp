@@ -54,10 +54,10 @@ std::vector<Attribute> attributes_like(const Mesh& mesh, const Mesh& other) {
   std::vector<Attribute> result;
   for (const Attribute& attribute : mesh.attributes) {
     if (!has_all_values(mesh, attribute)) continue;
-    const bool has_other_charts =
+    const bool is_per_corner =
         attribute.name == "uv" || other.find_attribute(Domain::corner, attribute.name) != nullptr;
-    const bool promoted = attribute.domain == Domain::vertex && attribute.name != "colour" &&
-                          has_other_charts && mesh.find_attribute(Domain::corner, attribute.name) == nullptr;
+    const bool promoted = attribute.domain == Domain::vertex && attribute.name != "colour" && is_per_corner &&
+                          mesh.find_attribute(Domain::corner, attribute.name) == nullptr;
     result.push_back(promoted ? per_corner(mesh, attribute) : attribute);
   }
   return result;

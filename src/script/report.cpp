@@ -27,7 +27,8 @@ Json seconds_json(const StageSeconds& seconds) {
   return {{"read", seconds.read},           {"check", seconds.check},       {"select", seconds.select},
           {"match", seconds.match},         {"assemble", seconds.assemble}, {"analyse", seconds.analyse},
           {"factorise", seconds.factorise}, {"solve", seconds.solve},       {"seam", seconds.seam},
-          {"measure", seconds.measure},     {"write", seconds.write},       {"total", seconds.total}};
+          {"retry", seconds.retry},         {"measure", seconds.measure},   {"write", seconds.write},
+          {"total", seconds.total}};
 }
 
 Json solver_json(const SolverStatistics& solver) {

@@ -11,20 +11,19 @@
 namespace meshgraft {
 namespace {
 
-/// A scene with its strip's faces and, as the band, all vertices of the strip.
+/// A scene, and the vertices of its strip.
 struct Joined {
-  explicit Joined(const test::SeamScene& scene) : mesh(scene.mesh), rest(scene.mesh.positions) {
-    target_vertices = scene.layout.target_vertices;
-    for (Index f = scene.strip_begin(); f < mesh.face_count(); ++f) new_faces.push_back(f);
+  explicit Joined(const test::SeamScene& scene)
+      : mesh(scene.mesh), layout(scene.layout), rest(scene.mesh.positions) {
     for (Index v = 0; v < mesh.vertex_count(); ++v)
-      if (scene.is_on_strip(v)) band.push_back(v);
+      if (scene.is_on_strip(v)) strip.push_back(v);
   }
-  SeamFaults faults() const { return find_seam_faults({mesh, new_faces, band, rest, target_vertices}, {}); }
+  SeamFaults faults() const { return find_seam_faults({mesh, layout, rest}, {}); }
 
   Mesh mesh;
-  std::vector<Index> new_faces, band;
+  SeamLayout layout;
+  std::vector<Index> strip;
   Points rest;
-  Index target_vertices = 0;
 };
 
 Index total(const SeamFaults& faults) { return faults.folded_edges + faults.crossings + faults.far_crossings; }
@@ -39,7 +38,7 @@ TEST(SeamFaults, CountFoldsOfTheStrip) {
     SCOPED_TRACE(scene.name);
     Joined joined(scene);
     // A vertex of the strip is drawn over its neighbours.
-    const Index v = joined.band[0], beside = joined.band[2];
+    const Index v = joined.strip[0], beside = joined.strip[2];
     joined.mesh.positions.row(v) = 1.5 * joined.rest.row(beside) - 0.5 * joined.rest.row(v);
     EXPECT_GT(joined.faults().folded_edges, 0);
   }
@@ -51,8 +50,9 @@ TEST(SeamFaults, CountIntersectionsOfTheStripAndWithOtherFaces) {
     Joined joined(scene);
     // The source is pushed through the strip and the target.
     Joined deep = joined;
-    const Index first = joined.target_vertices;
-    const Eigen::RowVector3d across = joined.rest.row(first) - joined.rest.row(joined.target_vertices - 1);
+    const Index first = joined.layout.target_vertices;
+    const Eigen::RowVector3d across =
+        joined.rest.row(first) - joined.rest.row(joined.layout.target_vertices - 1);
     for (Index v = first; v < deep.mesh.vertex_count(); ++v) deep.mesh.positions.row(v) -= 4 * across;
     EXPECT_GT(deep.faults().crossings + deep.faults().far_crossings, 0);
   }
@@ -62,12 +62,9 @@ TEST(SeamFaults, AreThoseThatTheInputsDidNotHave) {
   for (const test::SeamScene& scene : test::seam_scenes(0)) {
     SCOPED_TRACE(scene.name);
     Joined joined(scene);
-    // A vertex of the target, two rows before the strip, is pulled across the band of the target.
-    const Index around = joined.band.back() - joined.target_vertices + 1;
-    const Index v = joined.target_vertices - 2 * around, far = joined.target_vertices - 1;
-    for (Index band_vertex = joined.target_vertices - 2 * around; band_vertex < joined.target_vertices - around;
-         ++band_vertex)
-      joined.band.insert(joined.band.begin(), band_vertex);
+    // A vertex of the target, two rows before the strip, is pulled across the strip's row.
+    const Index around = joined.strip.back() - joined.layout.target_vertices + 1;
+    const Index v = joined.layout.target_vertices - 2 * around, far = joined.layout.target_vertices - 1;
     joined.mesh.positions.row(v) = joined.mesh.positions.row(far);
     joined.mesh.positions.row(v)(2) += 1e-3;
     const Index brought_now = total(joined.faults());
@@ -80,16 +77,28 @@ TEST(SeamFaults, AreThoseThatTheInputsDidNotHave) {
   }
 }
 
+TEST(SeamFaults, AreCountedWhereTheSeamWasNotFaired) {
+  // Three rings off the strip, a face is turned over.
+  for (const test::SeamScene& scene : test::seam_scenes(0)) {
+    SCOPED_TRACE(scene.name);
+    Joined joined(scene);
+    const Index around = joined.strip.back() - joined.layout.target_vertices + 1;
+    const Index v = joined.layout.target_vertices - 2 * around;
+    joined.mesh.positions.row(v) = 2 * joined.rest.row(v + around) - joined.rest.row(v);
+    EXPECT_GT(total(joined.faults()), 0);
+  }
+}
+
 TEST(SeamFaults, DoNotDependOnWhereTheInputsWere) {
   const test::SeamScene scene = test::seam_scenes(0)[0];
   Joined joined(scene);
-  for (Index v = joined.target_vertices; v < joined.mesh.vertex_count(); ++v)
+  for (Index v = joined.layout.target_vertices; v < joined.mesh.vertex_count(); ++v)
     joined.mesh.positions.row(v) = joined.rest.row(joined.mesh.vertex_count() - 1 - v);  // through the target
   const SeamFaults through = joined.faults();
   EXPECT_GT(total(through), 0);
   // Target and source lie within one another at rest, too.
-  joined.rest.bottomRows(joined.mesh.vertex_count() - joined.target_vertices) =
-      joined.mesh.positions.bottomRows(joined.mesh.vertex_count() - joined.target_vertices);
+  joined.rest.bottomRows(joined.mesh.vertex_count() - joined.layout.target_vertices) =
+      joined.mesh.positions.bottomRows(joined.mesh.vertex_count() - joined.layout.target_vertices);
   EXPECT_EQ(joined.faults().far_crossings, through.far_crossings);
 }
 

@@ -109,8 +109,9 @@ struct MergeOptions {
   bool smooth_boundary = false;  ///< smooth ragged loops along themselves first
   bool fix_winding = false;      ///< flip the source where the direction of its loops requires it
   /// Tries other values of the settings that are left open, where the graft has inverted maps, folds or
-  /// intersections at its seams: the reach, the normal angle (open at 0), the size, and the start. Only with
-  /// the shape `similar` and the pose found. The graft with the fewest faults is kept.
+  /// intersections at its seams: the reach, the normal angle (open at 0), the size (of a source in one piece),
+  /// and the start (of one pair). Only with the shape `similar` and the pose found. The graft with the fewest
+  /// faults is kept.
   bool retry = true;
   /// Orientations that the models may have, in their own coordinates. A start that is not given brings up to up
   /// and front to front where the loops allow. One: it is known. None: guessed from the mesh

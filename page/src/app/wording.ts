@@ -357,7 +357,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the first try had ${counted(faults_before, "fault")} at the seam (inverted, folded or intersecting faces), this one has ${faults}; ${tries} were tried`,
   }),
   "merge.retried_in_vain": ({ faults, tries }) => ({
-    problem: `${tries} other angles, sizes and rotations were tried, and none has fewer faults at the seam than ${faults}`,
+    problem: `${counted(tries, "other graft was", "other grafts were")} tried, and none has fewer faults at the seam than ${faults}`,
     remedy: "Twist the part, or cut loops that are more alike.",
   }),
   "merge.seam_faulty": ({ folded_edges, crossings }) => ({
