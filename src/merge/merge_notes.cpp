@@ -66,9 +66,10 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
       notes.push_back(facts::merge::BoundaryRagged{.pair = p, .turn_deg = pair.raggedness_deg});
     if (pair.starts.size() > 1 && pair.starts.front().probability < unsure) {
-      const StartCandidate& next = pair.starts[1];
+      const auto taken = static_cast<std::size_t>(report.retry.start);  // a retry is of one pair
+      const StartCandidate& next = pair.starts[taken == 0 ? 1 : 0];
       notes.push_back(facts::merge::StartUnsure{.pair = p,
-                                                .percent = 100 * pair.starts.front().probability,
+                                                .percent = 100 * pair.starts[taken].probability,
                                                 .target = next.start.target,
                                                 .source = next.start.source,
                                                 .next_percent = 100 * next.probability});

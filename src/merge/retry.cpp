@@ -27,7 +27,11 @@ int equally_likely_starts(const Correspondence& found) {
 
 /// Returns the correspondence from another start, moved along the target's loop by a share of its length.
 Correspondence restarted(const PairGeometry& geometry, Correspondence found, int start, double shift) {
-  if (start > 0) found.start = found.starts[static_cast<std::size_t>(start)].start;
+  if (start > 0) {
+    const StartCandidate& other = found.starts[static_cast<std::size_t>(start)];
+    found.start = other.start;
+    found.confidence = other.probability;
+  }
   const auto& loop = geometry.loops.target;
   const LoopCurve curve(geometry.target.points);
   const auto at = static_cast<Index>(std::find(loop.begin(), loop.end(), found.start.target) - loop.begin());

@@ -63,8 +63,8 @@ struct PairReport {
   /// 0 … 1. A start that was ranked: its probability. One found by the pose: the margin by which it is better
   /// than the best one elsewhere. One that was given: 1.
   double confidence = 1;
-  /// Starts that a person may have meant, at most five, the most probable first; the first one was taken. Empty
-  /// where the start was given or found by the pose.
+  /// Starts that a person may have meant, at most five, the most probable first; the first one was taken,
+  /// unless `RetryReport::start` is another. Empty where the start was given or found by the pose.
   std::vector<StartCandidate> starts;
   /// Mean turn per vertex beyond a smooth curve's, of the worse loop, degrees.
   double raggedness_deg = 0;
