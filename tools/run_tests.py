@@ -56,10 +56,11 @@ def run(*command, output=None):
 
 
 def build(preset, log):
-    """True if a configuration could be built. Its output goes to a file. What the system refuses is a failure, too."""
+    """True if a configuration could be built. Its output goes to a file. What the system refuses is a failure, too.
+    Tests that run meanwhile come first."""
     with log.open("wb") as output:
         try:
-            return all(run(*command, output=output) for command in build_commands(preset))
+            return all(run("nice", *command, output=output) for command in build_commands(preset))
         except OSError as error:
             output.write(f"run_tests.py: {error}\n".encode())
             return False

@@ -58,10 +58,10 @@ TEST(FiveHundredFoundGrafts, AreValidAndHaveFewFaults) {
   RecordProperty("inverted", inverted);
   RecordProperty("folded", folded);
   RecordProperty("crossing", crossing);
-  // Measured: 16, 8 and 14 (docs/merging.md, "Random grafts"); a few more for other rounding.
-  EXPECT_LE(inverted, 18);
-  EXPECT_LE(folded, 10);
-  EXPECT_LE(crossing, 16);
+  // Measured: 17, 12 and 14 or 15 (docs/merging.md, "Random grafts"); a few more for other rounding.
+  EXPECT_LE(inverted, 19);
+  EXPECT_LE(folded, 14);
+  EXPECT_LE(crossing, 17);
   EXPECT_EQ(refused, 0);
 }
 
