@@ -168,7 +168,7 @@ export function BlendColours({ page, step, keep }: GraftFieldsProps & { page: Pa
   const unit = page.editor.view.unit.value;
   return (
     <Slider
-      label="Blend colours"
+      label="Blending"
       value={step.blendColours}
       min={0}
       max={1e6 * diagonal}
