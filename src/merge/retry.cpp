@@ -82,8 +82,8 @@ FoundVariation find_variation(const OpenSettings& open, double first, int most,
 
 RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair> pairs,
                         const MergeOptions& options, const Context& context, MadeGraft& best) {
-  // Measured: 30 further grafts find what more would, and 12 where the start is not open. Chosen: meshes of
-  // 500,000 vertices and more get four, so that a merge takes at most five times as long.
+  // Chosen: 30 further grafts, and 12 where the start is not open. Meshes of 500,000 vertices and more get
+  // four, so that a merge takes at most five times as long.
   constexpr int fewest_tries = 4;
   constexpr Index vertices_of_all_tries = 2'000'000;
   const int most_tries = pairs.size() == 1 ? 30 : 12;
