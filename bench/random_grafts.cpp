@@ -130,10 +130,7 @@ void print_shares(const std::vector<Outcome>& outcomes) {
       {"intersections of faces there with other faces",
        [](const Outcome& o) { return o.report.seam.faults.far_crossings > 0; }},
       {"any of these four faults",
-       [](const Outcome& o) {
-         const SeamFaults& faults = o.report.seam.faults;
-         return o.report.shape.inverted + faults.folded_edges + faults.crossings + faults.far_crossings > 0;
-       }},
+       [](const Outcome& o) { return o.report.shape.inverted + o.report.seam.faults.total() > 0; }},
       {"grafted again", [](const Outcome& o) { return o.report.retry.tries > 0; }},
   };
   fmt::print("\n| of the valid ones | grafts | for instance, number |\n|---|---:|---|\n");

@@ -179,9 +179,8 @@ DropResult drop_opened(const Mesh& target, const Mesh& source, const OpenedSourc
 /// of its own may lose some and get others at the seam.
 std::int64_t count_faults(const DropResult& dropped) {
   const auto& [result, source] = dropped.intersections;
-  const SeamFaults& seam = dropped.merge.report.seam.faults;
-  const Index at_seam =
-      dropped.merge.report.shape.inverted + seam.folded_edges + seam.crossings + seam.far_crossings;
+  const MergeReport& report = dropped.merge.report;
+  const Index at_seam = report.shape.inverted + report.seam.faults.total();
   return std::max<std::int64_t>(at_seam, result - source);
 }
 

@@ -25,10 +25,7 @@ struct MadeGraft {
   GraftedSource grafted;
   SeamResult seam;
 
-  Index faults() const {
-    const SeamFaults& at_seam = seam.report.faults;
-    return grafted.found.shape.inverted + at_seam.folded_edges + at_seam.crossings + at_seam.far_crossings;
-  }
+  Index faults() const { return grafted.found.shape.inverted + seam.report.faults.total(); }
 };
 
 /// Poses the source near the target, then deforms it so that its loops meet the target's.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "merge/facts.h"
+#include "start_candidates.h"
 
 namespace meshgraft {
 
@@ -14,8 +15,6 @@ namespace {
 // "Shape").
 // Chosen: four times the 6.2° that loops of the tasks have at most.
 constexpr double ragged_deg = 25;
-// Chosen: the first start is hardly more probable than all others together.
-constexpr double unsure = 0.6;
 // Chosen, × the radius: about the most that loops of the tasks have (0.29), but for the CAD part's.
 constexpr double unlike = 0.25;
 // Chosen: the tasks' seams are bent by 35° at most.
@@ -65,7 +64,7 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
     const PairReport& pair = report.pairs[p];
     if (pair.raggedness_deg > ragged_deg && !options.smooth_boundary)
       notes.push_back(facts::merge::BoundaryRagged{.pair = p, .turn_deg = pair.raggedness_deg});
-    if (pair.starts.size() > 1 && pair.starts.front().probability < unsure) {
+    if (pair.starts.size() > 1 && is_unsure(pair.starts)) {
       const auto taken = static_cast<std::size_t>(report.retry.start);  // a retry is of one pair
       const StartCandidate& next = pair.starts[taken == 0 ? 1 : 0];
       notes.push_back(facts::merge::StartUnsure{.pair = p,

@@ -12,6 +12,7 @@
 #include <meshgraft/core/error.h>
 
 #include "loop_curve.h"
+#include "start_candidates.h"
 
 namespace meshgraft {
 
@@ -19,9 +20,8 @@ namespace {
 
 /// Returns how many of the first starts are as good as the first, because none is probable.
 int equally_likely_starts(const Correspondence& found) {
-  constexpr double sure = 0.6;  // as in merge_notes.cpp
-  constexpr int most = 4;       // chosen
-  if (found.starts.empty() || found.starts.front().probability >= sure) return 1;
+  constexpr int most = 4;  // chosen
+  if (!is_unsure(found.starts)) return 1;
   return std::min(most, static_cast<int>(found.starts.size()));
 }
 

@@ -116,4 +116,9 @@ std::vector<RankedShift> rank_starts(std::span<const LoopFit> fits, const LoopOr
   return starts;
 }
 
+bool is_unsure(std::span<const StartCandidate> starts) {
+  constexpr double unsure = 0.6;  // chosen: hardly more probable than all others together
+  return !starts.empty() && starts.front().probability < unsure;
+}
+
 }  // namespace meshgraft

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <meshgraft/merge/merge_options.h>
 #include <meshgraft/mesh/orientation.h>
 
 namespace meshgraft {
@@ -34,5 +35,8 @@ struct RankedShift {
 /// stands for those within a tenth of a turn.
 std::vector<RankedShift> rank_starts(std::span<const LoopFit> fits, const LoopOrientations& source,
                                      const LoopOrientations& target);
+
+/// Returns whether the first of the starts is too improbable to be taken for granted.
+bool is_unsure(std::span<const StartCandidate> starts);
 
 }  // namespace meshgraft

@@ -24,6 +24,8 @@ struct SeamFaults {
   Index folded_edges = 0;   ///< edges bent by more than 160°
   Index crossings = 0;      ///< pairs of faces of strips and bands that intersect
   Index far_crossings = 0;  ///< pairs that intersect, of a face of a strip or band and a face elsewhere
+
+  Index total() const { return folded_edges + crossings + far_crossings; }
 };
 
 /// Measures of a finished seam.
