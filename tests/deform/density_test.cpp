@@ -1,5 +1,8 @@
 // The same shape gives the same deformation however finely its parts are triangulated.
+#include <algorithm>
+#include <array>
 #include <map>
+#include <string>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -12,16 +15,19 @@
 namespace meshgraft::test {
 namespace {
 
-std::vector<DensityDeviation> deviations_of(const DeformerOptions& options,
-                                            std::span<const RowShape> shapes = all_row_shapes,
-                                            const RowTurns& turns = {}) {
-  const auto solve = [&](const TestMesh& mesh, const std::vector<std::vector<VertexConstraint>>& edits) {
+SolveRows solving(const DeformerOptions& options) {
+  return [options](const TestMesh& mesh, const std::vector<std::vector<VertexConstraint>>& edits) {
     const Deformer deformer({mesh.positions, mesh.triangles, {.whole = true}, edits.front()}, options);
     std::vector<Points> results;
     for (const auto& edit : edits) results.push_back(deformer.evaluate(edit));
     return results;
   };
-  return density_deviations(solve, shapes, turns);
+}
+
+std::vector<DensityDeviation> deviations_of(const DeformerOptions& options,
+                                            std::span<const RowShape> shapes = all_row_shapes,
+                                            const RowTurns& turns = {}) {
+  return density_deviations(solving(options), shapes, turns);
 }
 
 TEST(Density, ProfilesFollowTheShapeNotTheTriangles) {
@@ -65,6 +71,65 @@ TEST(Density, LargeTurnsKeepTheRule) {
       RecordProperty(std::string(to_string(method)) + "_worst_" + to_string(edit) + "_percent",
                      std::to_string(100 * deviation));
   }
+}
+
+/// Twists one end of a tube whose halves have cells of different shapes, and returns the turn at half length,
+/// as a fraction of the whole.
+double turn_at_half(const RowMesh& rows, const DeformerOptions& options, double twist_deg) {
+  const auto constraints = row_constraints(rows, RowEdit::twist, {.twist_deg = twist_deg});
+  const Deformer deformer({rows.mesh.positions, rows.mesh.triangles, {.whole = true}, constraints}, options);
+  return fraction_at_half(rows, row_profile(rows, RowEdit::twist, deformer.evaluate(constraints)));
+}
+
+class LongTriangles : public testing::TestWithParam<DeformMethod> {};
+
+// One half has square cells. Those of the other half are up to ten times as long around the tube, or up to four
+// times as long along it.
+TEST_P(LongTriangles, TurnLikeOthers) {
+  struct LongCells {
+    int around;
+    std::array<int, 2> rows;  ///< of the halves
+  };
+  for (const auto& [around, halves] :
+       {LongCells{48, {30, 120}}, LongCells{40, {25, 125}}, LongCells{40, {25, 250}}, LongCells{96, {15, 60}}})
+    for (const Diagonals diagonals : {Diagonals::alternate, Diagonals::rising, Diagonals::shifted}) {
+      const RowMesh rows = tube_of_long_cells(around, halves, diagonals);
+      const auto expect_half = [&](DegenerateTreatment treatment, double twist_deg) {
+        DeformerOptions options;
+        options.method = GetParam();
+        options.operators.degenerate = treatment;
+        EXPECT_NEAR(turn_at_half(rows, options, twist_deg), 0.5, 0.02)
+            << around << " cells around, rows " << halves[0] << " and " << halves[1] << ", diagonals "
+            << to_string(diagonals) << ", treatment " << to_string(treatment);
+      };
+      expect_half(DegenerateTreatment::apex, 60);
+      expect_half(DegenerateTreatment::apex, 135);
+      expect_half(DegenerateTreatment::ft05_noise, 135);
+    }
+}
+
+// The linear method is left out: its rows still depend on triangles that are long one way.
+INSTANTIATE_TEST_SUITE_P(Density, LongTriangles,
+                         testing::Values(DeformMethod::rotation_aware, DeformMethod::corotational),
+                         [](const auto& info) {
+                           std::string name(to_string(info.param));
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(Density, SliversKeepTheRule) {
+  for (const DeformMethod method :
+       {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational})
+    for (const DensityDeviation& d : odd_cell_deviations(solving({.method = method}), OddCells::slivers))
+      EXPECT_LT(d.deviation, 0.05) << to_string(method) << ", " << to_string(d.edit);
+}
+
+// A stretch turns nothing. It depends on the rows of E_R alone, which count every edge of a fan.
+TEST(Density, TurnsOfFansKeepTheRule) {
+  for (const DeformMethod method : {DeformMethod::rotation_aware, DeformMethod::corotational})
+    for (const DensityDeviation& d : odd_cell_deviations(solving({.method = method}), OddCells::fans))
+      EXPECT_LT(d.deviation, d.edit == RowEdit::stretch ? 0.16 : 0.05)
+          << to_string(method) << ", " << to_string(d.edit);
 }
 
 // Shows that the measure can fail: the rows as FT05 writes them do depend on the triangles.

@@ -22,9 +22,9 @@ namespace {
 LimbTwist limbs_of(const test::TestMesh& mesh, const Flags& given) {
   const IndexLists rings = vertex_rings(mesh.size(), mesh.triangles);
   const auto bisection = std::make_shared<BisectionTree>();
-  const FieldSurface surface{mesh.positions, mesh.triangles, rings, bisection};
-  const SurfaceFields fields(surface, given,
-                             std::make_shared<BendingMatrix>(mesh.positions, mesh.triangles, rings, Context()));
+  const IntrinsicEdges edges = intrinsic_delaunay_edges(mesh.positions, mesh.triangles);
+  const FieldSurface surface{mesh.positions, mesh.triangles, rings, edges, bisection};
+  const SurfaceFields fields(surface, given, std::make_shared<BendingMatrix>(surface, Context()));
   return {surface, fields, given, SolverBackend::automatic, {}};
 }
 

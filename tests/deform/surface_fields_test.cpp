@@ -31,11 +31,14 @@ struct FieldScene {
     for (const Index v : scene.head) given[v] = 1;
   }
   std::shared_ptr<const BendingMatrix> bending() const {
-    return std::make_shared<BendingMatrix>(mesh.positions, mesh.triangles, rings, Context());
+    const IntrinsicEdges edges = intrinsic_delaunay_edges(mesh.positions, mesh.triangles);
+    return std::make_shared<BendingMatrix>(FieldSurface{mesh.positions, mesh.triangles, rings, edges, {}},
+                                           Context());
   }
   SurfaceFields fields(const SurfaceFieldOptions& options, const Context& context = {}) const {
     const auto bisection = std::make_shared<BisectionTree>();
-    return {{mesh.positions, mesh.triangles, rings, bisection}, given, bending(), options, context};
+    const IntrinsicEdges edges = intrinsic_delaunay_edges(mesh.positions, mesh.triangles);
+    return {{mesh.positions, mesh.triangles, rings, edges, bisection}, given, bending(), options, context};
   }
   SurfaceFields fields(double smoothing_length_rel = 0.1, const Context& context = {}) const {
     return fields({.smoothing_length_rel = smoothing_length_rel}, context);

@@ -82,6 +82,117 @@ std::vector<double> row_profile(const RowMesh& rows, RowEdit edit, const Points&
   return profile;
 }
 
+const char* to_string(Diagonals diagonals) {
+  switch (diagonals) {
+    case Diagonals::alternate: return "alternate";
+    case Diagonals::rising: return "rising";
+    case Diagonals::falling: return "falling";
+    case Diagonals::shifted: return "shifted";
+  }
+  return "";
+}
+
+namespace {
+
+constexpr double long_rows_length = 3, long_rows_width = 2.4;
+
+/// Rows of points without faces: rings around a tube, or lines across a sheet.
+struct OpenRows {
+  RowMesh rows;
+  std::vector<Vector3d> points;
+  std::vector<std::array<Index, 3>> faces;
+
+  OpenRows() { rows.length = long_rows_length; }
+  void add_row(double u, std::span<const Vector3d> row_points) {
+    const auto count = static_cast<Index>(row_points.size());
+    rows.rows.push_back({u, count, static_cast<Index>(points.size()), count});
+    points.insert(points.end(), row_points.begin(), row_points.end());
+  }
+  Index at(int row, int i) const { return rows.rows[row].first + i % rows.rows[row].vertices; }
+  void add_quad(Index a, Index b, Index c, Index d, bool rising) {
+    if (rising)
+      faces.insert(faces.end(), {{a, b, c}, {a, c, d}});
+    else
+      faces.insert(faces.end(), {{a, b, d}, {b, c, d}});
+  }
+  RowMesh finish() {
+    rows.mesh.positions.resize(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t v = 0; v < points.size(); ++v)
+      rows.mesh.positions.row(static_cast<Eigen::Index>(v)) = points[v].transpose();
+    rows.mesh.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
+    for (std::size_t t = 0; t < faces.size(); ++t)
+      rows.mesh.triangles.row(static_cast<Eigen::Index>(t)) << faces[t][0], faces[t][1], faces[t][2];
+    return std::move(rows);
+  }
+};
+
+}  // namespace
+
+RowMesh tube_of_long_cells(int around, const std::array<int, 2>& halves, Diagonals diagonals) {
+  OpenRows tube;
+  const double radius = long_rows_width / (2 * std::numbers::pi), half = long_rows_length / 2;
+  const int cell_rows = halves[0] + halves[1];
+  for (int k = 0; k <= cell_rows; ++k) {
+    const double u = half * (k <= halves[0] ? double(k) / halves[0] : 1 + double(k - halves[0]) / halves[1]);
+    std::vector<Vector3d> ring;
+    for (int i = 0; i < around; ++i) {
+      const double angle =
+          2 * std::numbers::pi * (i + (diagonals == Diagonals::shifted && k % 2 == 1 ? 0.5 : 0)) / around;
+      ring.emplace_back(radius * std::cos(angle), radius * std::sin(angle), u);
+    }
+    tube.add_row(u, ring);
+  }
+  for (int k = 0; k < cell_rows; ++k)
+    for (int i = 0; i < around; ++i)
+      tube.add_quad(tube.at(k, i), tube.at(k, i + 1), tube.at(k + 1, i + 1), tube.at(k + 1, i),
+                    diagonals == Diagonals::rising || (diagonals == Diagonals::alternate && (k + i) % 2 == 1) ||
+                        (diagonals == Diagonals::shifted && k % 2 == 1));
+  return tube.finish();
+}
+
+RowMesh sheet_of_odd_cells(OddCells odd) {
+  constexpr int cells = 24, cell_rows = 30, fan = 8;
+  OpenRows sheet;
+  const auto is_coarse = [&](int k) {
+    return odd == OddCells::fans && k > cell_rows / 2 && k < cell_rows && k % 2 == 1;
+  };
+  const double size = long_rows_length / cell_rows;
+  for (int k = 0; k <= cell_rows; ++k) {
+    const int count = is_coarse(k) ? cells / fan : cells;
+    std::vector<Vector3d> line;
+    for (int i = 0; i <= count; ++i) {
+      const bool shifted = odd == OddCells::slivers && k > cell_rows / 2 && k < cell_rows && i > 0 && i < count;
+      line.emplace_back((double(i) / count - 0.5) * long_rows_width, 0,
+                        size * (k + (shifted ? ((i + k) % 2 == 0 ? 0.45 : -0.45) : 0)));
+    }
+    sheet.add_row(size * k, line);
+  }
+  for (int k = 0; k < cell_rows; ++k) {
+    const bool low = is_coarse(k), high = is_coarse(k + 1);
+    if (!low && !high) {
+      for (int i = 0; i < cells; ++i)
+        sheet.add_quad(sheet.at(k, i), sheet.at(k, i + 1), sheet.at(k + 1, i + 1), sheet.at(k + 1, i),
+                       (k + i) % 2 == 1);
+      continue;
+    }
+    // Each fine edge gets a triangle to the coarse vertex nearest to it, each coarse edge one to the fine
+    // vertex in the middle.
+    const int coarse = low ? k : k + 1, fine = low ? k + 1 : k;
+    const auto add = [&](Index a, Index b, Index c) {
+      sheet.faces.push_back(low ? std::array{a, b, c} : std::array{b, a, c});
+    };
+    for (int i = 0; i < cells; ++i)
+      add(sheet.at(fine, i + 1), sheet.at(fine, i), sheet.at(coarse, (i + fan / 2) / fan));
+    for (int j = 0; j < cells / fan; ++j)
+      add(sheet.at(coarse, j), sheet.at(coarse, j + 1), sheet.at(fine, j * fan + fan / 2));
+  }
+  return sheet.finish();
+}
+
+double fraction_at_half(const RowMesh& rows, const std::vector<double>& profile) {
+  return (interpolate(rows, profile, rows.length / 2) - profile.front()) / (profile.back() - profile.front());
+}
+
 namespace {
 
 constexpr RowEdit edits[] = {RowEdit::stretch, RowEdit::bend, RowEdit::twist};
@@ -114,6 +225,14 @@ DensityDeviation compare(const Profiled& tested, const Profiled& even, std::size
 }
 
 }  // namespace
+
+std::vector<DensityDeviation> odd_cell_deviations(const SolveRows& solve, OddCells odd, const RowTurns& turns) {
+  const Profiled even = profile_of(sheet_of_odd_cells(OddCells::none), solve, turns),
+                 tested = profile_of(sheet_of_odd_cells(odd), solve, turns);
+  std::vector<DensityDeviation> result;
+  for (std::size_t e = 0; e < std::size(edits); ++e) result.push_back(compare(tested, even, e));
+  return result;
+}
 
 std::vector<DensityDeviation> density_deviations(const SolveRows& solve, std::span<const RowShape> shapes,
                                                  const RowTurns& turns) {

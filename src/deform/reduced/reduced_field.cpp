@@ -218,8 +218,7 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
     at_centres[centres_[k]] = 1;
   }
   // Another system's bending matrix would be wrong where a shared patch is larger.
-  const auto bending =
-      std::make_shared<const BendingMatrix>(surface.points, surface.triangles, surface.rings, context);
+  const auto bending = std::make_shared<const BendingMatrix>(surface, context);
   const SurfaceFields beyond_centres(surface, at_centres, bending,
                                      {.bending_length_rel = {}, .backend = backend}, context);
   twist_weights_ = beyond_centres.spread(values, context);

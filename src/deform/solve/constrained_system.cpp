@@ -33,6 +33,8 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
   if (patch().size() > 0) {
     if (!operators_) build_operator(options.operators, context);
     region_size_ = std::sqrt(free_area());
+    if (options.method != DeformMethod::ft05)
+      intrinsic_edges_ = intrinsic_delaunay_edges(patch().points, triangles(), context);
     build_system(options.operators.density, options.method == DeformMethod::ft05 ? 0 : options.stiffness,
                  context);
     summary.degenerate_vertices = count_degenerate();

@@ -14,6 +14,7 @@
 #include "deform/setup/region_mask.h"
 #include "deform/setup/solvability.h"
 #include "linalg/sparse.h"
+#include "operators/intrinsic_delaunay.h"
 
 namespace meshgraft {
 
@@ -119,6 +120,7 @@ class ConstrainedSystem {
   // The faces and rings of the part of the patch around the unknowns. Rings of vertices without such a face
   // are empty.
   const Triangles& triangles() const { return part_ ? part_->triangles : patch().triangles; }
+  bool is_part() const { return part_.has_value(); }
   const IndexLists& rings() const { return part_ ? part_->rings : operators_->rows().rings(); }
   /// Returns the mask of the patch's vertices.
   const ConstraintMask& mask() const { return mask_; }
@@ -126,6 +128,8 @@ class ConstrainedSystem {
   const std::vector<Index>& free_vertices() const { return free_; }
   const std::vector<Anchor>& anchors() const { return anchors_; }  ///< at vertices with an unknown position
   int residual_corrections() const { return residual_corrections_; }
+  /// Returns the intrinsic Delaunay triangulation of `triangles`, empty for the linear method.
+  const IntrinsicEdges& intrinsic_edges() const { return intrinsic_edges_; }
   /// Returns the bisection of the patch's rings, for other systems over the same rings.
   const std::shared_ptr<BisectionTree>& bisection() const { return bisection_; }
   /// Returns null if nothing is free. In a shared operator, `H` has rows for maps that are known here.
@@ -180,6 +184,7 @@ class ConstrainedSystem {
     double weight;
   };
   std::vector<EdgeRow> edge_rows_;
+  IntrinsicEdges intrinsic_edges_;
   SparseRows stiffness_rows_;           ///< rows × nodes
   std::vector<Anchor> anchors_;         ///< at vertices with an unknown position
   std::vector<double> anchor_weights_;  ///< per anchor: weight of its row

@@ -43,16 +43,17 @@ Flags known_maps(const ConstraintMask& mask) {
 }  // namespace
 
 FieldSurface field_surface(const ConstrainedSystem& system) {
-  return {system.patch().points, system.triangles(), system.rings(), system.bisection()};
+  return {system.patch().points, system.triangles(), system.rings(), system.intrinsic_edges(),
+          system.bisection()};
 }
 
-/// Returns the bending matrix of the whole patch, so that systems on other parts of the patch can share it.
+/// Returns the bending matrix of the other field if it is the same. That of a whole patch without flipped edges
+/// serves all parts of it.
 std::shared_ptr<const BendingMatrix> RotationField::bending_matrix(const ConstrainedSystem& system,
                                                                    const RotationField* other,
                                                                    const Context& context) {
-  if (other != nullptr) return other->fields_.bending();
-  return std::make_shared<const BendingMatrix>(system.patch().points, system.patch().triangles,
-                                               system.operators()->rings(), context);
+  if (other != nullptr && other->serves_parts_) return other->fields_.bending();
+  return std::make_shared<const BendingMatrix>(field_surface(system), context);
 }
 
 RotationField::RotationField(const ConstrainedSystem& system, const DeformerOptions& options,
@@ -60,6 +61,8 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
     : system_(system),
       has_features_(!system.features().empty()),
       iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
+      serves_parts_((other != nullptr && other->serves_parts_) ||
+                    (!system.is_part() && !system.intrinsic_edges().differ)),
       fields_(
           field_surface(system), known_maps(system.mask()), bending_matrix(system, other, context),
           {.smoothing_length_rel = iterations_ > 0 ? std::optional(options.smoothing_length_rel) : std::nullopt,

@@ -66,6 +66,7 @@ class RotationField {
   const ConstrainedSystem& system_;
   bool has_features_ = false;
   int iterations_ = 0;
+  bool serves_parts_ = false;  ///< whether the bending matrix is right for parts of the patch, too
   SurfaceFields fields_;
   LimbTwist limbs_;
   std::shared_ptr<const Points> normals_;  ///< of the patch at rest

@@ -81,13 +81,14 @@ double strip_width(double sag, std::optional<double> t) {
 
 }  // namespace
 
-BendingMatrix::BendingMatrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                             const Context& context)
-    : areas(vertex_areas(points, triangles)), smallest_area(smallest_area_of(areas, rings)) {
-  bound_areas(smallest_area, rings, areas);
+BendingMatrix::BendingMatrix(const FieldSurface& surface, const Context& context)
+    : areas(vertex_areas(surface.points, surface.triangles)),
+      smallest_area(smallest_area_of(areas, surface.rings)) {
+  bound_areas(smallest_area, surface.rings, areas);
   std::vector<double> inverse_areas;
   for (const double area : areas) inverse_areas.push_back(area > 0 ? 1 / area : 0);
-  SparseRows K = dirichlet_matrix(points, triangles, rings, context);
+  context.throw_if_stopped();
+  SparseRows K = dirichlet_matrix(surface.rings.size(), surface.edges);
   take_over(matrix, multiply(multiply(K, diagonal(inverse_areas), context), K, context));
   take_over(tension, K);
 }
@@ -96,7 +97,7 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
                              std::shared_ptr<const BendingMatrix> bending_matrix,
                              const SurfaceFieldOptions& options, const Context& context)
     : bending_(std::move(bending_matrix)), areas_(vertex_areas(surface.points, surface.triangles)) {
-  const auto& [points, triangles, rings, bisection] = surface;
+  const auto& [points, triangles, rings, edges, bisection] = surface;
   context.throw_if_stopped();
   find_components(rings, given);
   if (free_.empty()) return;
@@ -104,8 +105,7 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
 
   const double smallest = smallest_area_of(areas_, rings);
   const std::shared_ptr<const BendingMatrix> used =
-      bounds_alike(rings, smallest) ? bending_
-                                    : std::make_shared<const BendingMatrix>(points, triangles, rings, context);
+      bounds_alike(rings, smallest) ? bending_ : std::make_shared<const BendingMatrix>(surface, context);
   bound_areas(smallest, rings, areas_);
   const std::optional<double> bending_length_rel = options.bending_length_rel;
   if (!spread_to_.empty()) {

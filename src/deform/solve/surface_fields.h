@@ -12,26 +12,28 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "linalg/sparse.h"
+#include "operators/intrinsic_delaunay.h"
 
 namespace meshgraft {
-
-/// ∫ |∇f|² and ∫ |Δf|² over a surface as matrices K and K M⁻¹ K. They do not depend on where fields are given.
-struct BendingMatrix {
-  std::vector<double> areas;  ///< per vertex; at least `smallest_area` if it has faces
-  double smallest_area = 0;
-  SparseRows tension;  ///< K
-  SparseRows matrix;   ///< K M⁻¹ K
-
-  BendingMatrix(const Points& points, const Triangles& triangles, const IndexLists& rings,
-                const Context& context);
-};
 
 /// A surface on which fields are sought, by reference. `bisection` of the rings is used, or filled if empty.
 struct FieldSurface {
   const Points& points;
   const Triangles& triangles;
   const IndexLists& rings;
+  const IntrinsicEdges& edges;
   const std::shared_ptr<BisectionTree>& bisection;
+};
+
+/// ∫ |∇f|² and ∫ |Δf|² over a surface as matrices K and K M⁻¹ K, where K is the Dirichlet matrix of the
+/// intrinsic edges. They do not depend on where fields are given.
+struct BendingMatrix {
+  std::vector<double> areas;  ///< per vertex; at least `smallest_area` if it has faces
+  double smallest_area = 0;
+  SparseRows tension;  ///< K
+  SparseRows matrix;   ///< K M⁻¹ K
+
+  BendingMatrix(const FieldSurface& surface, const Context& context);
 };
 
 struct SurfaceFieldOptions {
