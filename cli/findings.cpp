@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "script/report_json.h"
 #include "wording.h"
 
 namespace meshgraft::cli {
@@ -55,10 +56,7 @@ void print_findings(const Diagnostics& diagnostics, std::string_view label) {
 }
 
 nlohmann::ordered_json change_json(const RepairChange& change) {
-  return {{"name", name_of(change.kind)},
-          {"count", change.count},
-          {"domain", domain_name(change.domain)},
-          {"description", text_of(change.note).statement}};
+  return meshgraft::change_json(change, text_of);
 }
 
 }  // namespace meshgraft::cli

@@ -65,6 +65,12 @@ void print_cut(const StepReport& step, const std::string& name) {
              step.counts.vertices, step.counts.faces);
 }
 
+void print_repair(const StepReport& step, const std::string& name) {
+  for (const RepairChange& change : step.repair->changes) fmt::print("  {}{}\n", name, sentence(change.note));
+  if (step.repair->changes.empty()) fmt::print("  {}nothing to repair\n", name);
+  fmt::print("  {}repair: {} vertices, {} faces are left\n", name, step.counts.vertices, step.counts.faces);
+}
+
 void print_quality(const EditReport& report, const Points& rest) {
   const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   const Quality& quality = report.quality;
@@ -98,6 +104,8 @@ void print_summary(const EditReport& report, const Points& rest) {
       print_merge(step, name);
     else if (step.cut)
       print_cut(step, name);
+    else if (step.repair)
+      print_repair(step, name);
     else
       print_deform(step, name);
     for (const Note& note : step.notes) fmt::print("  {}note: {}\n", name, sentence(note));

@@ -19,14 +19,15 @@ from pathlib import Path
 
 # Structs that become dataclasses, in the order of their dependence.
 RECORDS = (
-    "TopologySummary", "Finding", "Diagnostics", "RepairChange", "RepairResult", "CutOptions", "CutResult",
+    "TopologySummary", "Finding", "Diagnostics", "RepairOptions", "RepairChange", "RepairResult", "CutOptions",
+    "CutResult",
     "OperatorOptions", "SolverStatistics", "DeformerOptions", "DeformerSummary", "EvaluationReport", "ProxySummary",
     "Quality", "Orientation", "OrientationGuess", "Match", "StartCandidate", "Reach", "MergeFeature", "SeamOptions",
     "MergeOptions", "Similarity", "SeamFaults", "SeamReport", "RetryReport", "PairReport", "ShapeReport", "BaseReport",
     "MergeReport", "MergeIntersections",
     "DeformSettings", "StageSeconds", "DeformCounts", "ProxyReport",
-    "SymmetryReport", "MergeOutcome", "CutOutcome", "StepReport", "EditReport::Input", "EditReport", "SampleInfo",
-    "WriteResult", "HandleBuffers", "StencilNodes",
+    "SymmetryReport", "MergeOutcome", "CutOutcome", "RepairOutcome", "StepReport", "EditReport::Input", "EditReport",
+    "SampleInfo", "WriteResult", "HandleBuffers", "StencilNodes",
 )
 
 # Structs whose fields become keywords of functions: Python's name, the structs, and fields that have another name there
@@ -44,7 +45,7 @@ KEYWORDS = {
 }
 
 # Structs that only the extension module reads, by the same tables.
-READ_ONLY_BY_MODULE = ("RepairOptions", "ReducedFramesOptions", "QualityOptions", "SettingsOverrides")
+READ_ONLY_BY_MODULE = ("ReducedFramesOptions", "QualityOptions", "SettingsOverrides")
 
 # C++ type: Python's annotation. Templates are below.
 TYPES = {

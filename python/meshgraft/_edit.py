@@ -22,7 +22,7 @@ from meshgraft._docs_of import documented
 from meshgraft._facts import Error
 from meshgraft._merge import MergeKeywords, merge_step
 from meshgraft._mesh import Mesh, write
-from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords
+from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords
 from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
@@ -160,6 +160,11 @@ class Edit:
         else:
             step["loop"] = _arrays.indices(cast(ArrayLike, loop), "loop", None).tolist()
         return self._add(step, result, name, about)
+
+    def repair(self, mesh: str, *, result: str | None = None, name: str | None = None, about: str | None = None,
+               **options: Unpack[RepairKeywords]) -> Self:
+        """Adds a repair step on a mesh by name. The options are those of `meshgraft.repair`."""
+        return self._add({"kind": "repair", "mesh": mesh, **_texts.without_none(**options)}, result, name, about)
 
     def output(self, name: str) -> Self:
         """Names the mesh that is the result; by default that of the last step."""

@@ -209,6 +209,10 @@ def test_repair_cut_and_quality(bar, ends):
     around = mg.select.indices([int(mg.select.nearest(p)(bar)[0]) for p in
                                 ((0.5, 0, 2), (0, 0.5, 2), (-0.5, 0, 2), (0, -0.5, 2))])
     assert len(mg.cut(bar, loop=around).loops) == 2
+    repaired = mg.Edit().input("opened", opened).repair("opened", hole_edges=5, weld=False, name="mend").run()
+    assert np.array_equal(repaired.mesh.faces, mg.repair(opened, hole_edges=5, weld=False).mesh.faces)
+    outcome = repaired.report.steps[0].repair
+    assert outcome.changes[0].kind == "filled-hole" and len(outcome.map) == len(bar) and not outcome.options.weld
     bent = mg.deform(bar, handles=ends, poses={"top": bend(80)})
     quality = mg.quality(bar, bent)
     assert quality.edge_rms > 0 and quality.new_self_intersections == 0

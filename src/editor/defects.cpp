@@ -10,15 +10,12 @@
 
 #include "editor/facts.h"
 #include "io/file_document.h"
+#include "mesh/repair/repair_kinds.h"
 #include "script/fact_json.h"
 
 namespace meshgraft::editor {
 
 namespace {
-
-bool matters(const Finding& finding) {
-  return finding.kind != FindingKind::duplicate_vertex && finding.kind != FindingKind::polygon;
-}
 
 // Range that a GPU can show: beyond it, squares of single-precision numbers overflow or vanish.
 constexpr double largest_shown = 1e15, smallest_shown = 1e-15;
@@ -47,6 +44,28 @@ Note with_name(const Note& note, const Mesh& mesh, const std::string& name) {
 }
 
 }  // namespace
+
+bool matters(const Finding& finding) {
+  return finding.kind != FindingKind::duplicate_vertex && finding.kind != FindingKind::polygon;
+}
+
+Json findings_json(const MeshState& state) {
+  Json list = Json::array();
+  for (const Finding& finding : state.diagnostics.findings)
+    if (matters(finding))
+      list.push_back({{"kind", name_of(finding.kind)},
+                      {"note", to_json(finding.note)},
+                      {"repairable", is_repairable(finding.kind)}});
+  return list;
+}
+
+const Finding& finding_named(const Object& object, const std::string& name) {
+  const std::vector<Finding>& findings = object.state().diagnostics.findings;
+  const auto found =
+      std::ranges::find_if(findings, [&](const Finding& finding) { return name_of(finding.kind) == name; });
+  if (found == findings.end()) throw Error(facts::editor::NoSuchFinding{.name = name}, "finding");
+  return *found;
+}
 
 std::vector<FileNote> notes_on_file(const MeshState& state, const std::filesystem::path& file) {
   const std::string name = file.filename().string();

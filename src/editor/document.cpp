@@ -101,7 +101,7 @@ Json new_edit(const std::string& name, const Json& input) {
 }
 
 std::optional<std::size_t> step_in_work(const EditFile& edit) {
-  if (edit.steps.empty() || std::holds_alternative<CutStep>(edit.steps.back().action)) return std::nullopt;
+  if (deform_in_work(edit) == nullptr && merge_in_work(edit) == nullptr) return std::nullopt;
   return edit.steps.size() - 1;
 }
 

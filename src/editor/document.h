@@ -49,7 +49,7 @@ Error in_file(const Error& error, const std::filesystem::path& file);
 Json new_edit(const std::string& name, const Json& input);
 
 /// Returns the index of the current step: the last step, if it is a deformation or a graft. Returns nothing
-/// where the last step is a cut.
+/// for a last step of another kind.
 std::optional<std::size_t> step_in_work(const EditFile& edit);
 const DeformStep* deform_in_work(const EditFile& edit);
 const MergeStep* merge_in_work(const EditFile& edit);

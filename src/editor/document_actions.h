@@ -9,7 +9,8 @@
 
 namespace meshgraft::editor {
 
-// Changes of a document as JSON that act on the current step. A step is added where the last one is a cut.
+// Changes of a document as JSON that act on the current step. A step is added where the last one is neither
+// a deformation nor a graft.
 // They throw Error(usage) where the current step is a graft. `make_document` then validates the result.
 
 Json& step_of(Json& document);

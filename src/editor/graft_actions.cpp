@@ -108,18 +108,19 @@ void edit_part(Json& document, const EditFile& edit, const std::string& name) {
   document["steps"].push_back(empty_step(name));
 }
 
-void add_cut(Json& document, const EditFile& edit, Json step) {
+std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step) {
   Json& steps = document["steps"];
   const DeformStep* deform = deform_in_work(edit);
   if (deform != nullptr && step["mesh"] != deform->mesh && step["mesh"] != outcome_of(edit.steps.back())) {
     steps.insert(steps.end() - 1, std::move(step));  // the work on the model goes on
-    return;
+    return steps.size() - 2;
   }
   const bool of_model = step["mesh"] == model_of(edit);
   const std::string model = end_step_in_work(document, edit);
   if (of_model) step["mesh"] = model;
   steps.push_back(std::move(step));
   steps.push_back(empty_step(model));
+  return steps.size() - 2;
 }
 
 bool is_grafted(const EditFile& edit, const std::string& name) {

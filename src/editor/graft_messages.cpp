@@ -84,6 +84,13 @@ Json found_json(const MergeOutcome& merge) {
   return {{"size", scale_of(whole_map(merge))}, {"starts", starts}};
 }
 
+Json found_json(const RepairOutcome& repair, std::span<const Note> notes) {
+  std::vector<Note> told;
+  for (const RepairChange& change : repair.changes) told.push_back(change.note);
+  told.insert(told.end(), notes.begin(), notes.end());
+  return {{"changes", to_json(told)}};
+}
+
 Json matrix_json(const Eigen::Affine3d& map) {
   Json rows = Json::array();
   for (int i = 0; i < 4; ++i)

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <meshgraft/merge/merge_options.h>
@@ -30,6 +31,7 @@ Json graft_fields(const ShownGraft& graft);
 
 /// Returns an element of `StepInputs::found`.
 Json found_json(const MergeOutcome& merge);
+Json found_json(const RepairOutcome& repair, std::span<const Note> notes);
 
 /// Returns the rows of a 4×4 matrix.
 Json matrix_json(const Eigen::Affine3d& map);

@@ -126,7 +126,7 @@ Json Worker::cut(const json::Value& message, const Context& context) {
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
   require_one_of(message, {"plane", "loop"});
   Json document = open_one().document().json;
-  add_cut(document, edit, std::move(step));
+  add_mesh_step(document, edit, std::move(step));
   return change("cut", document, context);
 }
 

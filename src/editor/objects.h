@@ -43,8 +43,8 @@ struct Object {
 struct StepInputs {
   std::shared_ptr<const Object> model;  ///< the mesh that is deformed, or grafted onto
   std::vector<std::shared_ptr<const Object>> parts;
-  /// Per step before the one in work: for a graft, its `size` and the starts of its pairs (`starts`); else
-  /// null.
+  /// Per step before the one in work: for a graft, its `size` and the starts of its pairs (`starts`); for a
+  /// repair, notes on its `changes`, and on the defects that remain; else null.
   std::vector<Json> found;
 
   /// Returns the object of that name. Throws Error(input).

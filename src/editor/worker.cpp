@@ -104,6 +104,8 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"part", &Worker::part},
       {"loops", &Worker::loops},
       {"cut", &Worker::cut},
+      {"mark", &Worker::mark},
+      {"repair", &Worker::repair},
       {"graft", &Worker::graft},
       {"graft-drag", &Worker::graft_drag},
       {"thumbnail", &Worker::thumbnail},

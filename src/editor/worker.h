@@ -91,6 +91,8 @@ class Worker {
   Json part(const json::Value& message, const Context& context);
   Json loops(const json::Value& message, const Context& context);
   Json cut(const json::Value& message, const Context& context);
+  Json mark(const json::Value& message, const Context& context);
+  Json repair(const json::Value& message, const Context& context);
   Json graft(const json::Value& message, const Context& context);
   Json graft_drag(const json::Value& message, const Context& context);
   Json thumbnail(const json::Value& message, const Context& context);

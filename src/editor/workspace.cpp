@@ -81,7 +81,8 @@ Json object_summary(const Object& object) {
           {"vertices", object.mesh().vertex_count()},
           {"faces", object.mesh().face_count()},
           {"loops", object.loops.size()},
-          {"diagonal", object.diagonal}};
+          {"diagonal", object.diagonal},
+          {"findings", findings_json(object.state())}};
 }
 
 // Returns the unit of length that the file behind a mesh names, as 3MF spells it. Returns an empty string

@@ -39,6 +39,7 @@ EditStep parse_step(const Value& value) {
   const auto parser = kind.choice<Parser>({{"deform", &parse_deform_step},
                                            {"cut", &parse_cut_step},
                                            {"merge", &parse_merge_step},
+                                           {"repair", &parse_repair_step},
                                            {"accept", nullptr}});
   if (!parser) kind.fail(facts::script::UnsupportedStep{.kind = kind.string()});
   EditStep step = parser(value);
@@ -202,7 +203,9 @@ void for_each_step_selection(const MergeStep& step,
     visit(step.features[i].select, Location("features")[i] / "select");
 }
 
-void for_each_step_selection(const CutStep&,
+// Cuts and repairs have no selections.
+template <class Step>
+void for_each_step_selection(const Step&,
                              const std::function<void(const EditSelection&, const Location&)>&) {}
 
 void for_each_step_selection(const EditStep& step,
@@ -358,10 +361,14 @@ void require_size(std::uintmax_t size, const Location& location) {
 MadeWith this_library() { return {MESHGRAFT_VERSION, current_methods}; }
 
 const std::string& mesh_of(const EditStep& step) {
-  const auto* merge = std::get_if<MergeStep>(&step.action);
-  if (merge) return merge->target;
-  const auto* cut = std::get_if<CutStep>(&step.action);
-  return cut ? cut->mesh : std::get<DeformStep>(step.action).mesh;
+  return std::visit(
+      [](const auto& action) -> const std::string& {
+        if constexpr (requires { action.target; })
+          return action.target;
+        else
+          return action.mesh;
+      },
+      step.action);
 }
 
 const std::string& outcome_of(const EditStep& step) {

@@ -83,6 +83,7 @@ inline void require_new_name(std::set<std::string>& names, const std::string& na
 EditStep parse_deform_step(const json::Value& value);
 EditStep parse_merge_step(const json::Value& value);
 EditStep parse_cut_step(const json::Value& value);
+EditStep parse_repair_step(const json::Value& value);
 EditFile parse_deform_version_1(const json::Value& root);
 EditFile parse_merge_version_1(const json::Value& root);
 

@@ -201,6 +201,13 @@ void add_cut(Json& json, const CutOutcome& cut) {
   json["map"] = cut.map.new_index;
 }
 
+void add_repair(Json& json, const RepairOutcome& repair, const Wording& wording) {
+  json["settings"] = settings_json(repair.options);
+  json["changes"] = Json::array();
+  for (const RepairChange& change : repair.changes) json["changes"].push_back(change_json(change, wording));
+  json["map"] = repair.map.new_index;
+}
+
 // Returns the settings that were used. Published methods use their own defaults.
 Json settings_in_force(const StepReport& step) {
   if (std::holds_alternative<DeformMethod>(step.method)) return settings_json(step.settings);
@@ -239,9 +246,13 @@ Json deform_json(const StepReport& step, const Wording& wording) {
   return json;
 }
 
+std::string kind_word(const StepReport& step) {
+  return step.merge ? "merge" : step.cut ? "cut" : step.repair ? "repair" : "deform";
+}
+
 Json step_json(const StepReport& step, const Wording& wording) {
-  if (!step.merge && !step.cut) return deform_json(step, wording);
-  Json json = {{"kind", step.merge ? "merge" : "cut"},
+  if (step.is_deform()) return deform_json(step, wording);
+  Json json = {{"kind", kind_word(step)},
                {"name", step.name},
                {step.merge ? "target" : "mesh", step.mesh},
                {"result", step.result},
@@ -249,6 +260,7 @@ Json step_json(const StepReport& step, const Wording& wording) {
                {"seconds", seconds_json(step.seconds)}};
   if (step.merge) add_merge(json, *step.merge);
   if (step.cut) add_cut(json, *step.cut);
+  if (step.repair) add_repair(json, *step.repair, wording);
   json["notes"] = to_json(step.notes, wording);
   return json;
 }
@@ -258,6 +270,13 @@ Json step_json(const StepReport& step, const Wording& wording) {
 Json counts_json(const DeformCounts& counts) {
   return {{"vertices", counts.vertices}, {"faces", counts.faces},   {"free", counts.free},
           {"fixed", counts.fixed},       {"handle", counts.handle}, {"degenerate", counts.degenerate}};
+}
+
+Json change_json(const RepairChange& change, const Wording& wording) {
+  return {{"name", name_of(change.kind)},
+          {"count", change.count},
+          {"domain", domain_word(change.domain)},
+          {"description", wording(change.note).statement}};
 }
 
 Json starts_json(const std::vector<StartCandidate>& starts) {
@@ -299,8 +318,7 @@ std::string write_report(const EditReport& report, const Wording& wording) {
   json["edit"] = report.edit;
   json["outputs"] = report.outputs;
   json["notes"] = to_json(report.notes, wording);
-  const auto deform = std::find_if(report.steps.begin(), report.steps.end(),
-                                   [](const StepReport& step) { return !step.merge && !step.cut; });
+  const auto deform = std::ranges::find_if(report.steps, &StepReport::is_deform);
   json["method"] = deform == report.steps.end() ? Json(nullptr) : Json(std::string(to_string(deform->method)));
   add_measures(json, report);
   if (report.deformed) {

@@ -71,10 +71,10 @@ void sum_up(EditReport& report) {
 // known already.
 void measure_result(EditReport& report, const MeshState& state, const Context& context) {
   Stopwatch watch;
-  const bool same_faces = std::none_of(report.steps.begin(), report.steps.end(),
-                                       [](const StepReport& step) { return step.merge || step.cut; });
-  report.deformed = same_faces || std::any_of(state.was_free.begin(), state.was_free.end(),
-                                              [](std::uint8_t free) { return free != 0; });
+  const bool same_faces = std::ranges::none_of(report.steps, &StepReport::replaces_mesh);
+  report.deformed = std::ranges::any_of(report.steps, &StepReport::is_deform) &&
+                    (same_faces || std::any_of(state.was_free.begin(), state.was_free.end(),
+                                               [](std::uint8_t free) { return free != 0; }));
   if (!report.deformed) return;
   if (report.steps.size() == 1) {
     report.quality = report.steps.front().quality;
@@ -115,6 +115,8 @@ StepReport run_step(const EditFile& edit, const EditStep& edit_step, const Locat
   if (std::holds_alternative<MergeStep>(edit_step.action))
     return run_merge(edit, edit_step, location, states, options, context);
   if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, states, context);
+  if (std::holds_alternative<RepairStep>(edit_step.action))
+    return run_repair(edit_step, location, states, context);
   return run_deform(edit, std::get<DeformStep>(edit_step.action), location,
                     state_for_outcome(edit_step, states), options, context);
 }

@@ -14,6 +14,8 @@ nlohmann::ordered_json settings_json(const DeformSettings& settings);
 
 nlohmann::ordered_json settings_json(const MergeSettings& settings);
 
+nlohmann::ordered_json settings_json(const RepairOptions& options);
+
 /// Returns "find" or "keep".
 std::string pose_word(MergePose pose);
 

@@ -279,6 +279,25 @@ Json step_json(const EditStep& edit_step, const CutStep& step) {
   return json;
 }
 
+std::string fill_word(HoleFill fill) {
+  switch (fill) {
+    case HoleFill::plain: return "plain";
+    case HoleFill::refined: return "refined";
+    case HoleFill::faired: return "faired";
+  }
+  return {};
+}
+
+Json step_json(const EditStep& edit_step, const RepairStep& step) {
+  Json json = {{"kind", "repair"}};
+  if (!edit_step.name.empty()) json["name"] = edit_step.name;
+  if (!edit_step.about.empty()) json["about"] = edit_step.about;
+  json["mesh"] = step.mesh;
+  if (!step.result.empty()) json["result"] = step.result;
+  json.update(settings_json(step.options));
+  return json;
+}
+
 // Returns the name of an axis, or a vector.
 Json direction_json(const Eigen::Vector3d& direction) {
   for (const char* name : {"x", "y", "z", "-x", "-y", "-z"})
@@ -347,6 +366,22 @@ Json settings_json(const MergeSettings& settings) {
   json["band"] = settings.seam.target_rings;
   json["sharp_angle_deg"] = settings.seam.sharp_angle_deg;
   json["blend_colours"] = settings.seam.blend_colours;
+  return json;
+}
+
+Json settings_json(const RepairOptions& options) {
+  Json json = {{"remove_invalid", options.remove_invalid},
+               {"clean_faces", options.clean_faces},
+               {"remove_duplicate_shells", options.remove_duplicate_shells},
+               {"weld", options.weld}};
+  if (options.weld_distance) json["weld_distance"] = *options.weld_distance;
+  json["split_non_manifold"] = options.split_non_manifold;
+  json["remove_debris"] = options.remove_debris;
+  json["debris_rel"] = options.debris_rel;
+  json["unify_winding"] = options.unify_winding;
+  json["hole_edges"] = options.hole_edges ? Json(*options.hole_edges) : Json("auto");
+  json["hole_fill"] = fill_word(options.hole_fill);
+  json["remove_isolated"] = options.remove_isolated;
   return json;
 }
 

@@ -15,6 +15,8 @@
 #include "editor/document.h"
 #include "io/temporary_folder.h"
 #include "page_client.h"
+#include "support/defects.h"
+#include "support/mesh_families.h"
 #include "support/paths.h"
 
 namespace meshgraft::test {
@@ -54,6 +56,16 @@ void ask_all_of_deforming(Page& page, const fs::path& model) {
   page.ask({{"do", "step"}, {"what", "remove"}, {"index", 1}});
   page.ask({{"do", "undo"}});
   for (const char* what : {"undo", "redo", "reset", "state"}) page.ask({{"do", what}});
+}
+
+void ask_all_of_mending(Page& page, const fs::path& folder) {
+  const TestMesh ball = bumpy_sphere(2);
+  write_mesh(with_isolated(make_mesh(ball.positions, ball.triangles), 3, 1), folder / "scan.ply");
+  page.ask({{"do", "open"}, {"path", (folder / "scan.ply").string()}});
+  page.ask({{"do", "mark"}, {"finding", "isolated-vertex"}});
+  page.ask({{"do", "repair"}, {"kinds", {"isolated-vertex"}}});
+  page.ask({{"do", "undo"}});
+  page.ask({{"do", "repair"}});
 }
 
 void ask_all_of_grafting(Page& page) {
@@ -138,6 +150,7 @@ TEST(Protocol, IsSpokenAsItsSchemaSays) {
   page.event("welcome");
   ask_all_of_deforming(page, model);
   ask_all_of_grafting(page);
+  ask_all_of_mending(page, folder.path());
   page.ask({{"do", "cancel"}});
   page.refusal({{"do", "restore"}});
   page.refusal({{"do", "discard"}});

@@ -17,6 +17,7 @@
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/mesh.h>
 #include <meshgraft/mesh/orientation.h>
+#include <meshgraft/mesh/repair.h>
 #include <meshgraft/select/selection.h>
 
 namespace meshgraft {
@@ -252,11 +253,18 @@ struct CutStep {
   CutOptions options;
 };
 
+/// Removes defects of a mesh (`repair`).
+struct RepairStep {
+  std::string mesh;
+  std::string result;  ///< name of the resulting mesh; empty = the same name
+  RepairOptions options;
+};
+
 /// One step of an edit. New kinds of steps are added to the variant.
 struct EditStep {
   std::string name;   ///< optional; unique where given
   std::string about;  ///< optional
-  std::variant<DeformStep, MergeStep, CutStep> action;
+  std::variant<DeformStep, MergeStep, CutStep, RepairStep> action;
 };
 
 /// Number of the methods. It is raised when the same edit file gives other results than before, other than

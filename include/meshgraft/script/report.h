@@ -15,6 +15,7 @@
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/diagnostics.h>
+#include <meshgraft/mesh/repair.h>
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/edit_file.h>
 
@@ -98,14 +99,22 @@ struct CutOutcome {
   TopologySummary topology;               ///< topology of the mesh that was kept
 };
 
-/// Report on one step. A cut or a merge has its own record; fields that concern only deforming then keep
-/// their defaults.
+/// Results of a repair step other than the mesh.
+struct RepairOutcome {
+  RepairOptions options;
+  std::vector<RepairChange> changes;  ///< changes in the order of the repair; empty: there was nothing to repair
+  IndexMap map;                       ///< vertices, old → new, or -1 where one was removed
+};
+
+/// Report on one step. A step of another kind than a deformation has its own record; fields that concern only
+/// deforming then keep their defaults.
 struct StepReport {
   std::string name;
   std::string mesh;    ///< mesh that the step worked on; for a merge, its target
   std::string result;  ///< mesh that the step produced
   std::optional<MergeOutcome> merge;
   std::optional<CutOutcome> cut;
+  std::optional<RepairOutcome> repair;
   Method method;
   DeformSettings settings;  ///< a published method uses only the backend and `refine_boundary`
   DeformCounts counts;
@@ -123,6 +132,10 @@ struct StepReport {
   double max_displacement = 0;             ///< model units
   Quality quality;
   std::vector<Note> notes;  ///< about deviations from the request
+
+  bool is_deform() const { return !merge && !cut && !repair; }
+  /// Returns whether the result has other vertices and faces than the mesh that the step worked on.
+  bool replaces_mesh() const { return merge || cut || (repair && !repair->changes.empty()); }
 };
 
 /// Report on a whole edit. Fields other than `steps` summarise the steps as docs/report.md says.

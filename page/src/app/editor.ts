@@ -7,6 +7,7 @@ import type { Viewport } from "../view/viewport";
 import { engineUrl } from "./engine_url";
 import { Graft } from "./graft/graft";
 import { Library } from "./library";
+import { Mending } from "./mending";
 import { baseName, folderOf } from "./paths";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
@@ -80,6 +81,7 @@ export class Editor {
   readonly tools = new ToolSettings();
   readonly graft: Graft;
   readonly library: Library;
+  readonly mending: Mending;
   readonly link = signal<Link>("connecting");
   /** Whether the engine was restarted and no longer accepts this page's token. */
   readonly expired = signal(false);
@@ -137,6 +139,12 @@ export class Editor {
       request: (request) => this.connection.request(request),
       note: (problem, remedy) => this.note(problem, "", remedy),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
+    });
+    this.mending = new Mending({
+      state: this.state,
+      ask: (request) => this.ask(request),
+      note: (problem, remedy = "") => this.tell("note", { problem, location: "", remedy }, { topic: "mended" }),
+      hideMarks: () => this.viewport.hideMarks(),
     });
     this.library = new Library((request) => this.connection.send(request));
     effect(() => this.rememberDocument());
@@ -378,8 +386,16 @@ export class Editor {
   private tellOfFiles({ notes = [] }: Outcome): void {
     for (const note of notes) {
       const { problem, remedy } = toldOfNote(note);
-      this.note(problem, "", [...(note.details ?? []).map(noteWords), remedy].filter((line) => line !== "").join("\n"));
+      const lines = [...(note.details ?? []).map(noteWords), remedy].filter((line) => line !== "");
+      const told = { problem, location: "", remedy: lines.join("\n") };
+      if (note.id === "editor.defects") this.tell("note", told, { of: "repair", topic: "defects", offer: this.offerOfMending() });
+      else this.tell("note", told);
     }
+  }
+
+  private offerOfMending(): Message["offer"] {
+    if (!this.mending.defective.value.some(({ findings }) => findings.some(({ repairable }) => repairable))) return undefined;
+    return { label: "Mend all", run: () => void this.mending.mendAll() };
   }
 
   private onEvent(event: EngineEvent): void {
@@ -398,6 +414,7 @@ export class Editor {
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
           this.graft.onState(event);
+          this.mending.onState(event);
         });
         this.viewport.setDocument(event);
         break;

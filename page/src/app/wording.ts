@@ -181,7 +181,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
 
   "editor.defects": ({ file }) => ({
     problem: `the file ${file} has defects that can disturb editing`,
-    remedy: "The command meshgraft repair writes a repaired copy.",
+    remedy: "Defects, at the right, shows and mends them.",
   }),
   "editor.edit_without_file": () => ({ remedy: "Choose Save as…, in the menu at the top left." }),
   "editor.faces_change": () => ({ remedy: "Switch off As a morph target." }),
@@ -435,6 +435,84 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.vertices_on_a_line": ({ side }) => ({
     problem: `the matched points of the ${sideWord(side)} lie on a line, so any rotation about it fits`,
+  }),
+
+  "mesh.degenerate_face": ({ count }) => ({ problem: counted(count, "face with a corner twice", "faces with a corner twice") }),
+  "mesh.duplicate_face": ({ count }) => ({ problem: counted(count, "face that lies on another", "faces that lie on others") }),
+  "mesh.inconsistent_winding": ({ count }) => ({
+    problem: counted(count, "edge between faces that face opposite ways", "edges between faces that face opposite ways"),
+  }),
+  "mesh.index_out_of_range": ({ count }) => ({
+    problem: counted(count, "face with a missing vertex", "faces with a missing vertex"),
+  }),
+  "mesh.inward_facing_component": ({ count }) => ({
+    problem: counted(count, "closed piece that is inside out", "closed pieces that are inside out"),
+  }),
+  "mesh.isolated_vertex": ({ count }) => ({ problem: counted(count, "loose vertex of no face", "loose vertices of no face") }),
+  "mesh.non_finite": ({ count }) => ({
+    problem: counted(count, "vertex without a position", "vertices without a position"),
+  }),
+  "mesh.non_manifold_edge": ({ count }) => ({
+    problem: counted(count, "edge with more than two faces", "edges with more than two faces"),
+  }),
+  "mesh.non_manifold_vertex": ({ count }) => ({
+    problem: counted(count, "vertex where surfaces only touch", "vertices where surfaces only touch"),
+  }),
+  "mesh.outlying_vertex": ({ count }) => ({
+    problem: counted(count, "vertex far away from all others", "vertices far away from all others"),
+  }),
+  "mesh.too_large": ({ count }) => ({
+    problem: counted(count, "vertex that is too far out", "vertices that are too far out"),
+    remedy: "Scale the model down in another program.",
+  }),
+  "mesh.zero_area_face": ({ count }) => ({ problem: counted(count, "face without area", "faces without area") }),
+
+  "mesh.filled_hole": ({ count }) => ({ problem: `${counted(count, "hole was", "holes were")} closed` }),
+  "mesh.hole_beside_inconsistent_faces": ({ count }) => ({
+    problem: `${counted(count, "hole was", "holes were")} not closed: the faces around do not fit together`,
+  }),
+  "mesh.mended_degenerate_face": ({ count }) => ({
+    problem: `${counted(count, "face with a corner twice was", "faces with a corner twice were")} mended or removed`,
+  }),
+  "mesh.one_sided_surface": ({ count }) => ({
+    problem: `${counted(count, "edge keeps", "edges keep")} faces that face opposite ways: the surface has one side only, like a Möbius strip`,
+  }),
+  "mesh.rejoined_vertex": ({ count }) => ({ problem: `${counted(count, "vertex was", "vertices were")} joined again` }),
+  "mesh.removed_debris": ({ count }) => ({ problem: `${counted(count, "crumb was", "crumbs were")} removed` }),
+  "mesh.removed_duplicate_face": ({ count }) => ({
+    problem: `${counted(count, "face that lay on another was", "faces that lay on others were")} removed`,
+  }),
+  "mesh.removed_duplicate_shell": ({ count }) => ({
+    problem: `${counted(count, "piece that lay on another was", "pieces that lay on others were")} removed`,
+  }),
+  "mesh.removed_isolated_vertex": ({ count }) => ({
+    problem: `${counted(count, "loose vertex was", "loose vertices were")} removed`,
+  }),
+  "mesh.removed_non_finite_face": ({ count }) => ({
+    problem: `${counted(count, "face at a vertex without a position was", "faces at a vertex without a position were")} removed`,
+  }),
+  "mesh.removed_non_finite_vertex": ({ count }) => ({
+    problem: `${counted(count, "vertex without a position was", "vertices without a position were")} removed`,
+  }),
+  "mesh.removed_non_manifold_face": ({ count }) => ({
+    problem: `${counted(count, "face at an edge with more than two was", "faces at edges with more than two were")} removed`,
+  }),
+  "mesh.removed_out_of_range_face": ({ count }) => ({
+    problem: `${counted(count, "face with a missing vertex was", "faces with a missing vertex were")} removed`,
+  }),
+  "mesh.repair_unfinished": () => ({ problem: "something is left to mend", remedy: "Mend once more." }),
+  "mesh.split_non_manifold_vertex": ({ count }) => ({
+    problem: `surfaces that only touched were taken apart at ${counted(count, "vertex", "vertices")}`,
+  }),
+  "mesh.split_t_junction": ({ count }) => ({
+    problem: `${counted(count, "open edge was", "open edges were")} split at a vertex that lay on it`,
+  }),
+  "mesh.turned_component": ({ count }) => ({
+    problem: `${counted(count, "piece that was inside out was", "pieces that were inside out were")} turned over`,
+  }),
+  "mesh.turned_face": ({ count }) => ({ problem: `${counted(count, "face was", "faces were")} turned over` }),
+  "mesh.welded_vertex": ({ count }) => ({
+    problem: `${counted(count, "vertex of an open seam was", "vertices of open seams were")} joined`,
   }),
 
   "mesh.faces_left_out": ({ mesh, count }) => ({

@@ -2,6 +2,7 @@ import type { Signal } from "@preact/signals";
 import type { TargetedKeyboardEvent } from "preact";
 import type { Page } from "../app/page";
 import { noteWords } from "../app/wording";
+import { DefectsPanel } from "./defects_panel";
 import { GraftPanels } from "./graft/graft_panel";
 import { GroupsPanel } from "./groups_panel";
 import { HandlesPanel } from "./handles_panel";
@@ -46,6 +47,7 @@ export function Side({ page }: { page: Page }) {
       )}
       <Notes page={page} />
       <div class="panels">
+        <DefectsPanel page={page} />
         {mode.value === "deform" && (
           <>
             <HandlesPanel page={page} />

@@ -124,7 +124,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
         step={step}
         foundSize={found?.size}
         keep={keep}
-        twist={<Twists page={page} count={found?.starts.length ?? 0} index={index} />}
+        twist={<Twists page={page} count={found?.starts?.length ?? 0} index={index} />}
       />
       <ShapeField step={step} keep={keep} />
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Page } from "../app/page";
 import { counted } from "../app/units";
 import { CommandLabelButton } from "./command_button";
+import { RepairDetails } from "./repair_details";
 import { CutDetails, DeformDetails, GraftDetails, type DetailsProps, type Step } from "./step_details";
 import { NameField } from "./ui/fields";
 import { Icon, type IconName } from "./ui/icon";
@@ -13,6 +14,7 @@ const kinds: Record<Step["kind"], { name: string; icon: IconName }> = {
   deform: { name: "Deform", icon: "handle" },
   merge: { name: "Graft", icon: "connected" },
   cut: { name: "Cut", icon: "minus" },
+  repair: { name: "Mend", icon: "mend" },
 };
 
 /**
@@ -112,5 +114,6 @@ function StepRow({ page, step, index, inWork, open, onOpen }: RowProps) {
 function StepDetails(props: DetailsProps) {
   if (props.step.kind === "merge") return <GraftDetails {...props} />;
   if (props.step.kind === "cut") return <CutDetails {...props} />;
+  if (props.step.kind === "repair") return <RepairDetails {...props} />;
   return <DeformDetails {...props} />;
 }

@@ -1,8 +1,8 @@
-import { Vector3, type Matrix4 } from "three";
+import { Box3, Vector3, type Matrix4 } from "three";
 import type { Surface } from "./surface/surface";
 
-/** Returns some thousand points of each surface, in world coordinates, 3 numbers each. */
-export function samplePositions(shown: readonly (readonly [Surface, Matrix4])[]): Float32Array {
+/** Returns some thousand points of each object, in world coordinates, 3 numbers each. */
+export function samplePositions(shown: readonly (readonly [Pick<Surface, "sample">, Matrix4])[]): Float32Array {
   const samples = shown.map(([surface, matrix]) => transformed(surface.sample(), matrix));
   const all = new Float32Array(samples.reduce((sum, sample) => sum + sample.length, 0));
   samples.reduce((at, sample) => (all.set(sample, at), at + sample.length), 0);
@@ -23,6 +23,12 @@ export function areWithin(
     if (x < box.left || x > box.right || y < box.top || y > box.bottom) ++beyond;
   }
   return beyond <= most;
+}
+
+/** Returns the centre of the box of points, 3 numbers each, and half its diagonal. */
+export function aroundOf(positions: Float32Array): { centre: Vector3; radius: number } {
+  const box = new Box3().setFromArray(positions);
+  return { centre: box.getCenter(new Vector3()), radius: 0.5 * box.getSize(new Vector3()).length() };
 }
 
 function transformed(positions: Float32Array, map: Matrix4): Float32Array {

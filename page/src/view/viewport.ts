@@ -16,9 +16,10 @@ import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import type { ViewSettings } from "../app/view_settings";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
-import { areWithin, samplePositions } from "./framing";
+import { areWithin, aroundOf, samplePositions } from "./framing";
 import { Projection } from "./projection";
 import type { Legend } from "./surface/heat";
+import { Marks } from "./marks";
 import { Navigation } from "./navigation";
 import { FrameScheduler, type Drawn } from "./frame_scheduler";
 import { raycastSurface, verticesInPolygon, verticesNear, type Hit } from "./picking/picking";
@@ -50,6 +51,7 @@ export class Viewport {
   alsoShown: () => [Surface, Matrix4][] = () => [];
   /** The parts beside the model, for grafting. */
   readonly parts = new Parts(this.scene, (surface) => this.forgetTree(surface));
+  private readonly marks = new Marks();
   readonly overlay = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   readonly navigation: Navigation;
   private readonly projection: Projection;
@@ -164,6 +166,7 @@ export class Viewport {
     if (message.kind === MessageKind.weights && this.renderer !== undefined) surface?.setWeights(message, this.renderer);
     if (message.kind === MessageKind.selection) surface?.setSelection(message.indices("vertices") ?? new Uint32Array());
     if (message.kind === MessageKind.roles) surface?.setRoles(message);
+    if (message.kind === MessageKind.marks) this.showMarks(message);
     this.requestRender();
   }
 
@@ -200,6 +203,26 @@ export class Viewport {
   /** Returns the surface of the model or of a part. */
   surfaceOf(mesh: number): Surface | undefined {
     return this.surfaces.get(mesh) ?? this.parts.get(mesh)?.surface;
+  }
+
+  /** Lights up the places of a message of kind `marks`, and moves the camera to them. */
+  private showMarks(message: BinaryMessage): void {
+    const { mesh } = message.header;
+    this.marks.show(message);
+    (this.parts.get(mesh)?.loops ?? this.scene).add(this.marks.object);
+    this.marks.object.updateWorldMatrix(true, false);
+    const surface = this.surfaceOf(mesh);
+    if (this.marks.isEmpty || surface === undefined) return;
+    const places = samplePositions([[this.marks, this.parts.get(mesh)?.matrixWorld ?? new Matrix4()]]);
+    const { centre, radius } = aroundOf(places);
+    const outward = centre.sub(this.boundingSphere.center);
+    const isOnOneSide = radius < 0.3 * this.boundingSphere.radius && outward.length() > 0.1 * this.boundingSphere.radius;
+    if (isOnOneSide) this.lookAlong(outward.negate());
+    this.navigation.fit(places, 0.06 * surface.box.diagonal);
+  }
+  hideMarks(): void {
+    this.marks.clear();
+    this.requestRender();
   }
 
   private deselectOthers(surface: Surface | undefined): void {

@@ -72,8 +72,6 @@ function said(row: Row, fields: Fields): string {
   return `${problem}. ${remedy}`;
 }
 
-// Facts whose words name a command to type.
-const ofCommands = ["editor.defects"];
 const command = /\bmeshgraft (run|edit|repair|info|check|cut|merge|deform|compare|sample|convert|render|picture)\b/;
 
 // Words of the library, of edit files and of how a program was built, which a window with panels does not use.
@@ -110,7 +108,6 @@ describe("every fact is worded for a window with panels", () => {
       expect(text).not.toMatch(/steps? (are |is )?(counted|numbered) from 0/i);
       expect(text).not.toMatch(/\.\./);
       if (!ofFiles(id)) for (const words of notOfThePage) expect(text).not.toMatch(words);
-      if (ofCommands.includes(id)) continue;
       expect(text).not.toMatch(/(^|\s)--\w/);
       expect(text).not.toMatch(command);
     }
@@ -177,7 +174,7 @@ describe("an error", () => {
 test("defects are told without the path of the file", () => {
   const note = noteOf(rowNamed("editor.defects"), { file: "a.obj", path: "it's a.obj", repaired: "b.obj" });
   expect(noteWords(note)).toBe(
-    "The file a.obj has defects that can disturb editing. The command meshgraft repair writes a repaired copy.",
+    "The file a.obj has defects that can disturb editing. Defects, at the right, shows and mends them.",
   );
 });
 
