@@ -1,8 +1,10 @@
 #include "summary.h"
 
+#include <cmath>
 #include <string>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "script/percent.h"
 #include "wording.h"
@@ -71,6 +73,12 @@ void print_repair(const StepReport& step, const std::string& name) {
   fmt::print("  {}repair: {} vertices, {} faces are left\n", name, step.counts.vertices, step.counts.faces);
 }
 
+void print_transform(const StepReport& step, const std::string& name) {
+  const Eigen::Matrix3d& linear = step.transform->linear();
+  fmt::print("  {}transform: the whole mesh was moved, and its volume changed by a factor of {:.4g}\n", name,
+             std::abs(linear.determinant()));
+}
+
 void print_quality(const EditReport& report, const Points& rest) {
   const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   const Quality& quality = report.quality;
@@ -106,6 +114,8 @@ void print_summary(const EditReport& report, const Points& rest) {
       print_cut(step, name);
     else if (step.repair)
       print_repair(step, name);
+    else if (step.transform)
+      print_transform(step, name);
     else
       print_deform(step, name);
     for (const Note& note : step.notes) fmt::print("  {}note: {}\n", name, sentence(note));

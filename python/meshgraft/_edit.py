@@ -22,6 +22,7 @@ from meshgraft._docs_of import documented
 from meshgraft._facts import Error
 from meshgraft._merge import MergeKeywords, merge_step
 from meshgraft._mesh import Mesh, write
+from meshgraft._pose import pose_of
 from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords
 from meshgraft._texts import Direction
 
@@ -165,6 +166,13 @@ class Edit:
                **options: Unpack[RepairKeywords]) -> Self:
         """Adds a repair step on a mesh by name. The options are those of `meshgraft.repair`."""
         return self._add({"kind": "repair", "mesh": mesh, **_texts.without_none(**options)}, result, name, about)
+
+    def transform(self, mesh: str, pose: Any, *, result: str | None = None, name: str | None = None,
+                  about: str | None = None) -> Self:
+        """Adds a step that moves, turns and scales a whole mesh. `pose`: a Pose or a 4x4 matrix; its pivot is the origin
+        unless it has one."""
+        step = {"kind": "transform", "mesh": mesh, "pose": pose_of(pose, "pose")._spec}
+        return self._add(step, result, name, about)
 
     def output(self, name: str) -> Self:
         """Names the mesh that is the result; by default that of the last step."""

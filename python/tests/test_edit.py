@@ -213,6 +213,10 @@ def test_repair_cut_and_quality(bar, ends):
     assert np.array_equal(repaired.mesh.faces, mg.repair(opened, hole_edges=5, weld=False).mesh.faces)
     outcome = repaired.report.steps[0].repair
     assert outcome.changes[0].kind == "filled-hole" and len(outcome.map) == len(bar) and not outcome.options.weld
+    pose = mg.Pose((1, 0, 0), rotate=("x", 90), scale=2)
+    moved = mg.Edit().input("bar", bar).transform("bar", pose).run()
+    corners = np.c_[bar.vertices, np.ones(len(bar))] @ pose.as_matrix().T
+    assert np.allclose(moved.mesh.vertices, corners[:, :3]) and np.allclose(moved.report.steps[0].transform, pose.as_matrix())
     bent = mg.deform(bar, handles=ends, poses={"top": bend(80)})
     quality = mg.quality(bar, bent)
     assert quality.edge_rms > 0 and quality.new_self_intersections == 0

@@ -17,6 +17,8 @@ namespace meshgraft::editor {
 
 namespace {
 
+constexpr Index most_hole_edges = 100'000;  // as in an edit file
+
 std::vector<FindingKind> all_repairable(const Object& object) {
   std::vector<FindingKind> kinds;
   for (const Finding& finding : object.state().diagnostics.findings)
@@ -31,34 +33,57 @@ std::vector<FindingKind> kinds_in(const json::Value& list, const Object& object)
   return kinds;
 }
 
-// Returns the fields of a repair that removes all findings. Seams that a cut opened stay open.
-Json whole_repair(const Object& object) {
-  RepairOptions options;
-  options.weld = !object.state().is_cut;
-  return settings_json(options);
+// Returns the options of a repair that closes all holes, after it joined what lies together.
+RepairOptions repair_of_holes() {
+  RepairOptions options = repair_for({});
+  options.weld = true;
+  options.hole_edges = most_hole_edges;
+  options.hole_fill = HoleFill::faired;
+  return options;
+}
+
+PrintFinding parse_print_finding(const json::Value& value) {
+  using enum PrintFinding;
+  return value.choice<PrintFinding>({{"open-edges", open_edges},
+                                     {"crowded-edges", crowded_edges},
+                                     {"turned-edges", turned_edges},
+                                     {"intersections", intersections},
+                                     {"thin-walls", thin_walls},
+                                     {"overhangs", overhangs}});
 }
 
 }  // namespace
 
 Json Worker::mark(const json::Value& message, const Context&) {
-  const json::Object fields(message, {"id", "do", "mesh", "finding"});
+  const json::Object fields(message, {"id", "do", "mesh", "finding", "print"});
+  require_one_of(message, {"finding", "print"});
   const std::shared_ptr<const Object> object = object_of(fields);
-  const Marks marks = marks_of(*object, finding_named(*object, fields.required("finding").name()));
+  Marks marks;
+  fields.optional("finding",
+                  [&](const json::Value& v) { marks = marks_of(*object, finding_named(*object, v.name())); });
+  fields.optional("print", [&](const json::Value& v) {
+    if (!print_) throw Error(facts::editor::NoPrintCheck{}, "print");
+    marks = marks_of(print_->mesh, print_->check, parse_print_finding(v));
+  });
   outbox_.send(marks_frame(*object, marks));
   return {{"marked", marks.points.size() + marks.lines.size() / 2 + marks.triangles.size() / 3}};
 }
 
 Json Worker::repair(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "mesh", "kinds"});
+  const json::Object fields(message, {"id", "do", "mesh", "kinds", "holes"});
   const EditFile& edit = open_one().document().edit;
   require_no_graft(edit, "repair");
   const std::shared_ptr<const Object> object = object_of(fields);
-  if (all_repairable(*object).empty()) throw Error(facts::editor::NothingToRepair{}, "repair");
+  bool holes = false;
+  fields.optional("holes", [&](const json::Value& v) { holes = v.boolean(); });
+  if (holes ? object->loops.empty() : all_repairable(*object).empty())
+    throw Error(facts::editor::NothingToRepair{}, "repair");
   Json step = {{"kind", "repair"}, {"mesh", object->name}};
-  step.update(whole_repair(*object));
-  fields.optional("kinds", [&](const json::Value& list) {
-    step.update(Json(settings_json(repair_for(kinds_in(list, *object)))));
-  });
+  RepairOptions options;
+  fields.optional("kinds", [&](const json::Value& list) { options = repair_for(kinds_in(list, *object)); });
+  if (holes) options = repair_of_holes();
+  if (object->state().is_cut) options.weld = false;  // what a cut opened stays open
+  step.update(Json(settings_json(options)));
   Json document = open_one().document().json;
   const std::size_t index = add_mesh_step(document, edit, std::move(step));
   Json result = change("repair", document, context);

@@ -151,6 +151,7 @@ Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context&
 }  // namespace
 
 void Worker::show(std::unique_ptr<Workspace> workspace) {
+  print_.reset();
   workspace_ = std::move(workspace);  // the previous workspace releases its journal
   workspace_->keep_journal();
   tell_state();

@@ -90,6 +90,16 @@ void mark_neighbours(Marker& marker, const Mesh& mesh, const std::vector<Index>&
   }
 }
 
+// Returns the triangles of pairs, each once.
+std::vector<Index> triangles_in(const std::vector<TrianglePair>& pairs) {
+  std::vector<Index> triangles;
+  for (const TrianglePair& pair : pairs) triangles.insert(triangles.end(), pair.begin(), pair.end());
+  std::ranges::sort(triangles);
+  const auto repeated = std::ranges::unique(triangles);
+  triangles.erase(repeated.begin(), repeated.end());
+  return triangles;
+}
+
 std::vector<float> as_floats(const std::vector<Eigen::RowVector3d>& positions, const Eigen::RowVector3d& offset) {
   std::vector<float> floats;
   floats.reserve(3 * positions.size());
@@ -113,6 +123,25 @@ Marks marks_of(const Object& object, const Finding& finding) {
         mark_faces(marker, object, finding.indices);
       else
         for (const Index v : finding.indices) marker.point(v);
+  }
+  return marker.take();
+}
+
+Marks marks_of(const Mesh& mesh, const PrintCheck& check, PrintFinding finding) {
+  Marker marker(mesh);
+  const auto mark_lines = [&](const std::vector<std::array<Index, 2>>& edges) {
+    for (const auto& [from, to] : edges) marker.line(from, to);
+  };
+  const auto mark_triangles = [&](const std::vector<Index>& triangles) {
+    for (const Index t : triangles) marker.triangle(check.surface.triangles, t);
+  };
+  switch (finding) {
+    case PrintFinding::open_edges: mark_lines(check.open_edges); break;
+    case PrintFinding::crowded_edges: mark_lines(check.crowded_edges); break;
+    case PrintFinding::turned_edges: mark_lines(check.turned_edges); break;
+    case PrintFinding::intersections: mark_triangles(triangles_in(check.intersections)); break;
+    case PrintFinding::thin_walls: mark_triangles(check.thin); break;
+    case PrintFinding::overhangs: mark_triangles(check.overhanging); break;
   }
   return marker.take();
 }

@@ -8,6 +8,7 @@
 
 #include <meshgraft/mesh/diagnostics.h>
 
+#include "deform/measure/print_check.h"
 #include "objects.h"
 
 namespace meshgraft::editor {
@@ -26,6 +27,12 @@ struct Marks {
 /// components as triangles, and other vertices as points. For vertices without a finite position and for
 /// outlying ones, these are the other corners of their faces.
 Marks marks_of(const Object& object, const Finding& finding);
+
+/// The findings of a print check that have places.
+enum class PrintFinding { open_edges, crowded_edges, turned_edges, intersections, thin_walls, overhangs };
+
+/// Returns the places of a finding on the mesh that was checked.
+Marks marks_of(const Mesh& mesh, const PrintCheck& check, PrintFinding finding);
 
 /// Returns the message `marks` about the mesh of an object.
 std::vector<std::byte> marks_frame(const Object& object, const Marks& marks);

@@ -106,6 +106,8 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"cut", &Worker::cut},
       {"mark", &Worker::mark},
       {"repair", &Worker::repair},
+      {"print-check", &Worker::print_check},
+      {"transform", &Worker::transform},
       {"graft", &Worker::graft},
       {"graft-drag", &Worker::graft_drag},
       {"thumbnail", &Worker::thumbnail},

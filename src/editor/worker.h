@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "deform/measure/print_check.h"
 #include "folders.h"
 #include "numbers.h"
 #include "protocol.h"
@@ -93,6 +94,8 @@ class Worker {
   Json cut(const json::Value& message, const Context& context);
   Json mark(const json::Value& message, const Context& context);
   Json repair(const json::Value& message, const Context& context);
+  Json print_check(const json::Value& message, const Context& context);
+  Json transform(const json::Value& message, const Context& context);
   Json graft(const json::Value& message, const Context& context);
   Json graft_drag(const json::Value& message, const Context& context);
   Json thumbnail(const json::Value& message, const Context& context);
@@ -113,6 +116,13 @@ class Worker {
   Outbox outbox_;
   RequestQueue queue_;
   std::unique_ptr<Workspace> workspace_;
+
+  /// The mesh that was checked last for printing, and what was found.
+  struct CheckedPrint {
+    Mesh mesh;
+    PrintCheck check;
+  };
+  std::unique_ptr<CheckedPrint> print_;
   Thumbnails thumbnails_;
   std::jthread thread_;
 };

@@ -40,6 +40,7 @@ EditStep parse_step(const Value& value) {
                                            {"cut", &parse_cut_step},
                                            {"merge", &parse_merge_step},
                                            {"repair", &parse_repair_step},
+                                           {"transform", &parse_transform_step},
                                            {"accept", nullptr}});
   if (!parser) kind.fail(facts::script::UnsupportedStep{.kind = kind.string()});
   EditStep step = parser(value);
@@ -203,7 +204,7 @@ void for_each_step_selection(const MergeStep& step,
     visit(step.features[i].select, Location("features")[i] / "select");
 }
 
-// Cuts and repairs have no selections.
+// The other steps have no selections.
 template <class Step>
 void for_each_step_selection(const Step&,
                              const std::function<void(const EditSelection&, const Location&)>&) {}

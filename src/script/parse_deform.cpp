@@ -94,20 +94,30 @@ HandleMotion parse_motion(const Object& fields) {
   return motion;
 }
 
+// Refuses a pose that has other fields beside one that goes alone.
+void require_alone(const Object& fields, const Value& pose, std::initializer_list<std::string_view> names) {
+  for (const std::string_view alone : names)
+    if (fields.has(alone) && pose.raw().size() > 1)
+      pose.fail(facts::script::PoseWithMoreFields{.field = alone});
+}
+
 }  // namespace
+
+std::variant<HandleMotion, Eigen::Matrix4d> parse_affine_pose(const Object& fields, const Value& value) {
+  require_alone(fields, value, {"matrix"});
+  if (fields.has("matrix")) return fields.required("matrix").affine_matrix();
+  return parse_motion(fields);
+}
 
 PoseSpec parse_pose(const Value& value, HandleShape shape) {
   const Object fields(value, {"matrix", "def", "curve", "translate", "rotate", "scale", "pivot"});
-  for (const std::string_view alone : {"matrix", "def", "curve"})
-    if (fields.has(alone) && value.raw().size() > 1)
-      value.fail(facts::script::PoseWithMoreFields{.field = alone});
-  if (fields.has("matrix")) return {fields.required("matrix").affine_matrix()};
+  require_alone(fields, value, {"def", "curve"});
   if (fields.has("def")) return {PoseSpec::DefFile{fields.required("def").name()}};
   if (fields.has("curve")) {
     if (shape != HandleShape::curve) fields.required("curve").fail(facts::script::RedrawnNoCurve{});
     return {PoseSpec::Redrawn{fields.required("curve").points(2)}};
   }
-  return {parse_motion(fields)};
+  return {std::visit([](auto&& pose) { return PoseSpec::Kind(std::move(pose)); }, parse_affine_pose(fields, value))};
 }
 
 namespace {

@@ -194,6 +194,12 @@ void add_merge(Json& json, const MergeOutcome& merge) {
   json["new_faces"] = merge.new_faces;
 }
 
+Json rows_json(const Eigen::Affine3d& map) {
+  Json rows = Json::array();
+  for (int i = 0; i < 4; ++i) rows.push_back(vector_json(map.matrix().row(i)));
+  return rows;
+}
+
 void add_cut(Json& json, const CutOutcome& cut) {
   json["components"] = cut.topology.components;
   json["boundary_loops"] = cut.topology.boundary_loops;
@@ -247,7 +253,7 @@ Json deform_json(const StepReport& step, const Wording& wording) {
 }
 
 std::string kind_word(const StepReport& step) {
-  return step.merge ? "merge" : step.cut ? "cut" : step.repair ? "repair" : "deform";
+  return step.merge ? "merge" : step.cut ? "cut" : step.repair ? "repair" : step.transform ? "transform" : "deform";
 }
 
 Json step_json(const StepReport& step, const Wording& wording) {
@@ -261,6 +267,7 @@ Json step_json(const StepReport& step, const Wording& wording) {
   if (step.merge) add_merge(json, *step.merge);
   if (step.cut) add_cut(json, *step.cut);
   if (step.repair) add_repair(json, *step.repair, wording);
+  if (step.transform) json["matrix"] = rows_json(*step.transform);
   json["notes"] = to_json(step.notes, wording);
   return json;
 }

@@ -117,6 +117,8 @@ StepReport run_step(const EditFile& edit, const EditStep& edit_step, const Locat
   if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, states, context);
   if (std::holds_alternative<RepairStep>(edit_step.action))
     return run_repair(edit_step, location, states, context);
+  if (std::holds_alternative<TransformStep>(edit_step.action))
+    return run_transform(edit_step, location, states, context);
   return run_deform(edit, std::get<DeformStep>(edit_step.action), location,
                     state_for_outcome(edit_step, states), options, context);
 }

@@ -298,6 +298,16 @@ Json step_json(const EditStep& edit_step, const RepairStep& step) {
   return json;
 }
 
+Json step_json(const EditStep& edit_step, const TransformStep& step) {
+  Json json = {{"kind", "transform"}};
+  if (!edit_step.name.empty()) json["name"] = edit_step.name;
+  if (!edit_step.about.empty()) json["about"] = edit_step.about;
+  json["mesh"] = step.mesh;
+  if (!step.result.empty()) json["result"] = step.result;
+  json["pose"] = std::visit(PoseWriter{}, step.pose);
+  return json;
+}
+
 // Returns the name of an axis, or a vector.
 Json direction_json(const Eigen::Vector3d& direction) {
   for (const char* name : {"x", "y", "z", "-x", "-y", "-z"})

@@ -68,6 +68,15 @@ void ask_all_of_mending(Page& page, const fs::path& folder) {
   page.ask({{"do", "repair"}});
 }
 
+void ask_all_of_printing(Page& page) {
+  page.ask({{"do", "open"}, {"sample", "bust"}, {"resolution", 20}});
+  page.ask({{"do", "print-check"}, {"up", {0, 0, 1}}, {"overhang_deg", 30}, {"least_wall", 0.1}});
+  page.ask({{"do", "mark"}, {"print", "open-edges"}});
+  page.ask({{"do", "repair"}, {"holes", true}});
+  page.ask({{"do", "print-check"}});
+  page.ask({{"do", "transform"}, {"pose", {{"scale", 2}}}});
+}
+
 void ask_all_of_grafting(Page& page) {
   const Json loop = {{"loop", 0}};
   page.ask({{"do", "open"}, {"sample", "bust"}, {"resolution", 24}});
@@ -151,6 +160,7 @@ TEST(Protocol, IsSpokenAsItsSchemaSays) {
   ask_all_of_deforming(page, model);
   ask_all_of_grafting(page);
   ask_all_of_mending(page, folder.path());
+  ask_all_of_printing(page);
   page.ask({{"do", "cancel"}});
   page.refusal({{"do", "restore"}});
   page.refusal({{"do", "discard"}});

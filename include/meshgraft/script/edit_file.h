@@ -260,11 +260,19 @@ struct RepairStep {
   RepairOptions options;
 };
 
+/// Moves, turns and scales a whole mesh.
+struct TransformStep {
+  std::string mesh;
+  std::string result;  ///< name of the resulting mesh; empty = the same name
+  /// The pivot of a motion is the origin unless given. A map that reflects turns the faces over, too.
+  std::variant<HandleMotion, Eigen::Matrix4d> pose;
+};
+
 /// One step of an edit. New kinds of steps are added to the variant.
 struct EditStep {
   std::string name;   ///< optional; unique where given
   std::string about;  ///< optional
-  std::variant<DeformStep, MergeStep, CutStep, RepairStep> action;
+  std::variant<DeformStep, MergeStep, CutStep, RepairStep, TransformStep> action;
 };
 
 /// Number of the methods. It is raised when the same edit file gives other results than before, other than

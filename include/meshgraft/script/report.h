@@ -115,6 +115,7 @@ struct StepReport {
   std::optional<MergeOutcome> merge;
   std::optional<CutOutcome> cut;
   std::optional<RepairOutcome> repair;
+  std::optional<Eigen::Affine3d> transform;  ///< the map of a transform step
   Method method;
   DeformSettings settings;  ///< a published method uses only the backend and `refine_boundary`
   DeformCounts counts;
@@ -133,7 +134,7 @@ struct StepReport {
   Quality quality;
   std::vector<Note> notes;  ///< about deviations from the request
 
-  bool is_deform() const { return !merge && !cut && !repair; }
+  bool is_deform() const { return !merge && !cut && !repair && !transform; }
   /// Returns whether the result has other vertices and faces than the mesh that the step worked on.
   bool replaces_mesh() const { return merge || cut || (repair && !repair->changes.empty()); }
 };

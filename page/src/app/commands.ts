@@ -150,6 +150,8 @@ const toolTable: readonly [ToolName, string, string, string][] = [
   ["connected", "Connected", "C", "Click to select everything connected."],
   ["loop", "Boundary loop", "O", "Click near a hole to select its boundary loop."],
   ["flood", "Flood fill", "W", "Click to select up to the next crease."],
+  ["measure", "Measure and scale", "shift+M", "Click two points, and type the length that it should be."],
+  ["flat", "Lay flat", "shift+L", "Click the face that should lie on the bed."],
 ];
 
 function toolCommands({ editor, settings, tools }: CommandContext): Command[] {

@@ -7,8 +7,10 @@ import type { Viewport } from "../view/viewport";
 import { engineUrl } from "./engine_url";
 import { Graft } from "./graft/graft";
 import { Library } from "./library";
+import { Marking } from "./marking";
 import { Mending } from "./mending";
 import { baseName, folderOf } from "./paths";
+import { Printing } from "./printing";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
 import { asPercent, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
@@ -82,6 +84,7 @@ export class Editor {
   readonly graft: Graft;
   readonly library: Library;
   readonly mending: Mending;
+  readonly printing: Printing;
   readonly link = signal<Link>("connecting");
   /** Whether the engine was restarted and no longer accepts this page's token. */
   readonly expired = signal(false);
@@ -113,6 +116,7 @@ export class Editor {
   /** Whether the work is done, and the program that waited for it has it. */
   readonly handedBack = signal(false);
 
+  private readonly marking: Marking;
   private readonly connection: Connection;
   private lastMessage = 0;
   private setupBegan: number | undefined;
@@ -140,11 +144,22 @@ export class Editor {
       note: (problem, remedy) => this.note(problem, "", remedy),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
+    this.marking = new Marking({
+      ask: (request) => this.ask(request),
+      note: (problem, remedy = "") => this.tell("note", { problem, location: "", remedy }, { topic: "marked" }),
+      hideMarks: () => this.viewport.hideMarks(),
+    });
     this.mending = new Mending({
       state: this.state,
+      marking: this.marking,
       ask: (request) => this.ask(request),
-      note: (problem, remedy = "") => this.tell("note", { problem, location: "", remedy }, { topic: "mended" }),
-      hideMarks: () => this.viewport.hideMarks(),
+      note: (problem) => this.tell("note", { problem, location: "", remedy: "" }, { topic: "mended" }),
+    });
+    this.printing = new Printing({
+      state: this.state,
+      marking: this.marking,
+      ask: (request) => this.ask(request),
+      up: () => this.viewport.navigation.axes()[2].toArray(),
     });
     this.library = new Library((request) => this.connection.send(request));
     effect(() => this.rememberDocument());
@@ -414,7 +429,7 @@ export class Editor {
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
           this.graft.onState(event);
-          this.mending.onState(event);
+          if (this.marking.onState(event)) this.printing.forget();
         });
         this.viewport.setDocument(event);
         break;

@@ -15,7 +15,9 @@ export type ToolName =
   | "loop"
   | "flood"
   | "vertex" // a handle of one vertex
-  | "curve"; // a handle along shortest paths between clicked points
+  | "curve" // a handle along shortest paths between clicked points
+  | "measure" // the distance of two clicked points, to scale by
+  | "flat"; // lays the model flat on a clicked face
 
 /** The settings of the tools, changed by panels and read by tools. Lengths in pixels are CSS pixels. */
 export class ToolSettings {
@@ -29,6 +31,8 @@ export class ToolSettings {
   readonly dragged = signal<{ handle: string; pose: Pose } | null>(null);
   /** A reach being chosen; its region lights up. */
   readonly reachFor = signal<{ handle: string; reach: number } | null>(null);
+  /** The distance of two clicked points, model units; null if there are no two. */
+  readonly measured = signal<number | null>(null);
   readonly movesPivot = signal(false); // a drag of the gizmo moves only the pivot
   readonly gizmoSpace = signal<"local" | "world">("local");
   readonly snap = signal(false);

@@ -14,10 +14,12 @@ import { fileToReplace, sentence, toldOf, type Failure } from "../app/wording";
 import { counted, formatSize } from "../app/units";
 import type { DocumentState, PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
+import { printProblems, unitOfFileWords } from "../app/print_words";
 import { sidesOf } from "./status_bar";
 import { Button } from "./ui/button";
 import { Dialog } from "./ui/dialog";
 import { Segments, Select, Toggle } from "./ui/fields";
+import { Icon } from "./ui/icon";
 
 type FileRequest = Extract<PageRequest, { do: "save" | "export" }>;
 
@@ -169,14 +171,45 @@ export function exportName(state: Pick<DocumentState, "name" | "edit"> | null): 
   return `${stemOf(state?.name ?? "model")}_edited`;
 }
 
-/** Says what the exported file will hold. */
-function Content({ page }: { page: Page }) {
-  const { state, view } = page.editor;
+const mostFacesChecked = 300_000; // of a mesh that is checked without being asked for
+
+/** Says what the exported file will hold, and what a printer would not take. */
+function Content({ page, extension }: { page: Page; extension: string }) {
+  const { state, view, printing } = page.editor;
   const box = page.shownBox.value;
   const unit = view.unit.value;
+  const faces = state.value?.model.faces ?? 0;
+  const check = printing.result.value;
+  const isUnchecked = check === null;
+  useEffect(() => {
+    if (isUnchecked && faces > 0 && faces <= mostFacesChecked) void printing.check();
+  }, [isUnchecked]);
   if (state.value === null || box === null) return null;
-  const noUnit = unit === "none" ? " The model has no unit: choose one under View." : "";
-  return <p class="hint">{`${counted(state.value.model.faces, "face")}, ${formatSize(sidesOf(box), unit)}.${noUnit}`}</p>;
+  const limits = { leastWall: printing.leastWall.value, overhangDeg: printing.overhangDeg.value, unit };
+  const problems = check === null ? [] : printProblems(check, limits).filter(({ tone }) => tone === "bad");
+  const { words, isOther } = unitOfFileWords(extension, state.value.unit, unit);
+  const noUnit = unit === "none" && words.startsWith("The file names") ? " The model has no unit: choose one under View." : "";
+  return (
+    <>
+      <p class="hint">{`${counted(faces, "face")}, ${formatSize(sidesOf(box), unit)}. ${isOther ? "" : words}${noUnit}`}</p>
+      {(isOther || problems.length > 0) && (
+        <ul class="export-warnings" aria-label="Warnings">
+          {isOther && <ExportWarning words={words} />}
+          {problems.map((line) => (
+            <ExportWarning key={line.words} words={line.words} />
+          ))}
+        </ul>
+      )}
+    </>
+  );
+}
+
+function ExportWarning({ words }: { words: string }) {
+  return (
+    <li>
+      <Icon name="warning" size={14} /> {words}
+    </li>
+  );
 }
 
 /** Writes the deformed mesh to a file of its own. */
@@ -217,7 +250,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
         onChange={(to) => (extension.value = to)}
       />
       <p class="hint">{format.keeps}</p>
-      {!asMorph && page.editor.graft.mode.value === "deform" && <Content page={page} />}
+      {!asMorph && page.editor.graft.mode.value === "deform" && <Content page={page} extension={format.extension} />}
       {format.morphTargets === true && (
         <Toggle
           label="As a morph target"

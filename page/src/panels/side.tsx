@@ -7,6 +7,7 @@ import { GraftPanels } from "./graft/graft_panel";
 import { GroupsPanel } from "./groups_panel";
 import { HandlesPanel } from "./handles_panel";
 import { MethodPanel } from "./method_panel";
+import { PrintPanel } from "./print_panel";
 import { StepsPanel } from "./steps_panel";
 import { SymmetryPanel } from "./symmetry_panel";
 import { ViewPanel } from "./view_panel";
@@ -58,6 +59,7 @@ export function Side({ page }: { page: Page }) {
         )}
         {mode.value === "graft" && <GraftPanels page={page} />}
         <StepsPanel page={page} />
+        <PrintPanel page={page} />
         <ViewPanel page={page} />
       </div>
     </aside>

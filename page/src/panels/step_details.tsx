@@ -77,14 +77,15 @@ function handlesIn(list: unknown): { name: string; pose: Pose }[] {
   }));
 }
 
-interface StepPoseProps {
+export interface StepPoseProps {
   page: Page;
   name: string;
   pose: Pose;
   onChange: (pose: Pose) => void;
 }
 
-function StepPose({ page, name, pose, onChange }: StepPoseProps) {
+/** The numbers of a pose. */
+export function StepPose({ page, name, pose, onChange }: StepPoseProps) {
   const rest: Vector = pose.pivot ?? [0, 0, 0];
   const numbers = numbersOf(pose, rest);
   return (

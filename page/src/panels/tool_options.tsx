@@ -1,5 +1,6 @@
 import type { Page } from "../app/page";
 import type { ToolName, ToolSettings } from "../app/tool_settings";
+import { scalingPose } from "../app/placing";
 import { counted } from "../app/units";
 import { CommandButton, CommandLabelButton } from "./command_button";
 import { NumberField, Segments, Slider } from "./ui/fields";
@@ -15,6 +16,8 @@ const hints: Record<ToolName, string> = {
   connected: "Click to select everything connected.",
   loop: "Click near a hole to select its boundary loop.",
   flood: "Click to select up to the next crease.",
+  measure: "Click two points on the model.",
+  flat: "Click the face that should lie on the bed.",
 };
 const modifierHints = { set: "Shift adds, Alt subtracts.", add: "Alt subtracts.", remove: "Shift adds." };
 const painting: readonly ToolName[] = ["handle", "brush"];
@@ -75,6 +78,7 @@ export function ToolOptions({ page }: { page: Page }) {
             onChange={(how) => (tools.combine.value = how)}
           />
         )}
+        {tool === "measure" && <MeasuredLength page={page} />}
         {seesThrough.includes(tool) && <CommandButton page={page} id="through" icon="through" />}
         <span class="tool-hint">
           {hints[tool]} {selecting.includes(tool) && modifierHints[tools.combine.value]}
@@ -83,6 +87,36 @@ export function ToolOptions({ page }: { page: Page }) {
       {selected > 0 && <SelectionLine page={page} selected={selected} />}
       {tools.activeHandle.value !== null && <HandleLine page={page} />}
     </div>
+  );
+}
+
+/** The length between two clicked points. Another one scales the whole model. */
+function MeasuredLength({ page }: { page: Page }) {
+  const { editor, shownBox } = page;
+  const { measured } = editor.tools;
+  const unit = editor.view.unit.value;
+  const { value: length } = measured;
+  const { value: box } = shownBox;
+  if (length === null || box === null) return null;
+  const scaleTo = async (wanted: number) => {
+    const up = page.viewport.navigation.axes()[2].toArray();
+    const pose = scalingPose(wanted / length, box, up);
+    if ((await editor.ask({ do: "transform", pose })) !== undefined) measured.value = null;
+  };
+  return (
+    <>
+      <strong>Length</strong>
+      <NumberField
+        label="Length"
+        tip="Type the length that it should be: the whole model is scaled."
+        value={length}
+        quantity="length"
+        unit={unit}
+        suffix={unit === "none" ? "" : unit}
+        above={0}
+        onChange={(wanted) => void scaleTo(wanted)}
+      />
+    </>
   );
 }
 

@@ -7,6 +7,7 @@ const groups: readonly (readonly string[])[] = [
   ["navigate"],
   ["handle", "vertex", "curve"],
   ["brush", "lasso", "box", "connected", "loop", "flood"],
+  ["measure", "flat"],
 ];
 
 /** The tools, at the left. Arrow keys move between them; the tab key skips all of them. */

@@ -20,6 +20,7 @@ import { HandleGhost } from "./handle_ghost";
 import { FirstActive } from "./movable";
 import { PartControl } from "./graft/part_control";
 import { CutPlaneTool, PlaneControl } from "./graft/plane_control";
+import { LayFlatTool, MeasureTool } from "./place_tools";
 import { PlaneView } from "./graft/plane_view";
 import { Preview } from "./preview";
 import { ReachKnob } from "./reach_knob";
@@ -173,6 +174,8 @@ export class ToolBox implements ToolActions {
       connected: new ConnectedTool(context),
       loop: new LoopTool(context),
       flood: new FloodTool(context),
+      measure: new MeasureTool(context),
+      flat: new LayFlatTool(context),
     };
   }
 

@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { describe, expect, test } from "vitest";
 import type { Outcome } from "../../src/engine/connection";
+import { Marking } from "../../src/app/marking";
 import { mendedWords, Mending, type Finding } from "../../src/app/mending";
 import type { DocumentState, PageRequest } from "../../src/protocol";
 
@@ -23,13 +24,14 @@ function mendingOf(state: DocumentState, answer: Outcome = {}) {
   const asked: PageRequest[] = [];
   const told: string[] = [];
   let hidden = 0;
-  const mending = new Mending({
+  const links = {
     state: signal<DocumentState | null>(state),
-    ask: (request) => (asked.push(request), Promise.resolve(answer)),
-    note: (problem) => told.push(problem),
+    ask: (request: PageRequest) => (asked.push(request), Promise.resolve(answer)),
+    note: (problem: string) => told.push(problem),
     hideMarks: () => ++hidden,
-  });
-  return { mending, asked, told, hidden: () => hidden };
+  };
+  const marking = new Marking(links);
+  return { mending: new Mending({ ...links, marking }), marking, asked, told, hidden: () => hidden };
 }
 
 describe("mending", () => {
@@ -47,23 +49,23 @@ describe("mending", () => {
   });
   test("lights a kind up, and hides it by a second click or when a step changes", async () => {
     const state = stateOf([turned], []);
-    const { mending, asked, hidden } = mendingOf(state, { marked: 3 });
-    mending.onState(state);
+    const { mending, marking, asked, hidden } = mendingOf(state, { marked: 3 });
+    marking.onState(state);
     await mending.toggle("a", "inconsistent-winding");
     expect(asked).toEqual([{ do: "mark", mesh: "a", finding: "inconsistent-winding" }]);
     expect(mending.isMarked("a", "inconsistent-winding")).toBe(true);
-    mending.onState({ ...state, selected: 5 });
+    marking.onState({ ...state, selected: 5 });
     expect(hidden()).toBe(0);
     await mending.toggle("a", "inconsistent-winding");
-    expect(mending.marked.value).toBeNull();
+    expect(marking.marked.value).toBeNull();
     await mending.toggle("a", "inconsistent-winding");
-    mending.onState({ ...state, steps: [{ kind: "repair", handles: 0, fields: {} }] });
-    expect([mending.marked.value, hidden()]).toEqual([null, 2]);
+    marking.onState({ ...state, steps: [{ kind: "repair", handles: 0, fields: {} }] });
+    expect([marking.marked.value, hidden()]).toEqual([null, 2]);
   });
   test("says if there is nothing to see", async () => {
-    const { mending, told } = mendingOf(stateOf([huge], []), { marked: 0 });
+    const { mending, marking, told } = mendingOf(stateOf([huge], []), { marked: 0 });
     await mending.toggle("a", "coordinate-too-large");
-    expect([told.length, mending.marked.value]).toEqual([1, null]);
+    expect([told.length, marking.marked.value]).toEqual([1, null]);
   });
   test("waits for a graft to end", () => {
     const state = { ...stateOf([turned], []), graft: { graft: 1, step: {} } };

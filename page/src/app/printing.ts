@@ -1,0 +1,57 @@
+import { signal, type ReadonlySignal } from "@preact/signals";
+import type { Outcome } from "../engine/connection";
+import type { DocumentState, PageRequest, Vector } from "../protocol";
+import type { Marking } from "./marking";
+import type { PrintCheck, PrintFinding } from "./print_words";
+
+/** The objects of the editor that printing uses. */
+export interface PrintingLinks {
+  readonly state: ReadonlySignal<DocumentState | null>;
+  readonly marking: Marking;
+  ask(request: PageRequest): Promise<Outcome | undefined>;
+  /** Returns the direction away from the bed. */
+  up(): Vector;
+}
+
+/** The check of the edited mesh before it is printed. */
+export class Printing {
+  /** What was found; null if nothing was checked since the last change. */
+  readonly result = signal<PrintCheck | null>(null);
+  readonly overhangDeg = signal(45);
+  /** Thinnest wall that can be printed, model units. */
+  readonly leastWall = signal(0);
+
+  constructor(private readonly links: PrintingLinks) {}
+
+  async check(): Promise<void> {
+    const answer = await this.links.ask({
+      do: "print-check",
+      up: this.links.up(),
+      overhang_deg: this.overhangDeg.value,
+      least_wall: this.leastWall.value,
+    });
+    if (answer?.print !== undefined) this.result.value = answer.print;
+  }
+
+  /** Checks again if there was a check, because a limit has changed. */
+  async renew(): Promise<void> {
+    if (this.result.value !== null) await this.check();
+  }
+
+  isMarked(finding: PrintFinding): boolean {
+    return this.links.marking.marked.value === keyOf(finding);
+  }
+
+  toggle(finding: PrintFinding): Promise<void> {
+    return this.links.marking.toggle(keyOf(finding), { do: "mark", print: finding });
+  }
+
+  /** Forgets what was found before a change. */
+  forget(): void {
+    this.result.value = null;
+  }
+}
+
+function keyOf(finding: PrintFinding): string {
+  return `print ${finding}`;
+}

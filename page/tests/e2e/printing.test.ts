@@ -1,0 +1,125 @@
+import { readFileSync } from "node:fs";
+import { afterEach, expect, test } from "vitest";
+import { EditorHarness, run } from "./harness";
+
+let harness: EditorHarness | undefined;
+afterEach(async () => {
+  await harness?.close();
+  harness = undefined;
+});
+
+/** Returns the lengths of the box's sides. */
+function sidesOf(positions: Float64Array): number[] {
+  return [0, 1, 2].map((axis) => {
+    const along = positions.filter((_, at) => at % 3 === axis);
+    return Math.max(...along) - Math.min(...along);
+  });
+}
+
+async function openPanel({ user }: EditorHarness): Promise<void> {
+  const button = user.page.getByRole("region", { name: "Print" }).getByRole("button", { name: "Print" });
+  if ((await button.getAttribute("aria-expanded")) !== "true") await button.click();
+}
+
+test("a check names what printers refuse, shows it, and offers the remedy", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bust", 60);
+  const { user } = harness;
+  const { page } = user;
+  await openPanel(harness);
+  const panel = page.getByRole("region", { name: "Print" });
+  await panel.getByRole("button", { name: "Check", exact: true }).click();
+  const rows = page.getByRole("list", { name: "Print check" }).getByRole("listitem");
+  await rows.first().waitFor();
+  expect(await rows.first().innerText()).toMatch(/Open: 1 hole/);
+  expect((await rows.allInnerTexts()).some((text) => text.startsWith("Volume"))).toBe(false);
+  await rows.filter({ hasText: "overhang" }).getByRole("button", { name: "Show" }).click();
+  await user.rests();
+  await user.screenshot("editor_print.jpg");
+  await rows.first().getByRole("button", { name: "Close" }).click();
+  await user.rests();
+  expect(await rows.count()).toBe(0); // the mesh has changed since
+  await panel.getByRole("button", { name: "Check", exact: true }).click();
+  await rows.first().waitFor();
+  expect(await rows.first().innerText()).toMatch(/Closed/);
+  expect((await rows.allInnerTexts()).some((text) => text.startsWith("Volume"))).toBe(true);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("a length measured by two clicks and typed anew scales the model, and undo takes it back", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bar", 12);
+  const { user, folder } = harness;
+  const { page } = user;
+  const before = sidesOf(await harness.savedPositions());
+  await user.press("Shift+M");
+  const vertices = await page.evaluate(() => {
+    const { positions, vertexCount } = window.meshgraft.viewport.main ?? { positions: new Float32Array(), vertexCount: 0 };
+    const height = (v: number) => positions[3 * v + 2] ?? 0;
+    const front = (v: number) => -(positions[3 * v + 1] ?? 0) - Math.abs(positions[3 * v] ?? 0);
+    const at = (low: number, high: number) =>
+      [...Array(vertexCount).keys()].filter((v) => height(v) > low && height(v) < high).sort((a, b) => front(b) - front(a))[0] ?? 0;
+    return [at(-1.4, -0.6), at(0.6, 1.4)] as const;
+  });
+  for (const vertex of vertices) await user.clickAt(await user.screenOf(vertex));
+  const field = page.getByRole("textbox", { name: "Length" });
+  await field.waitFor();
+  const measured = Number(await field.inputValue());
+  expect(measured).toBeGreaterThan(0.5);
+  await user.screenshot("printing-measured");
+  await field.fill(String(10 * measured));
+  await field.press("Enter");
+  await user.settle();
+  const scaled = sidesOf(await harness.savedPositions());
+  scaled.forEach((side, k) => expect(side / (before[k] ?? 1)).toBeCloseTo(10, 2));
+  expect(await field.count()).toBe(0);
+
+  await page.evaluate(async (edit) => void (await window.meshgraft.editor.ask({ do: "save", edit })), folder.file("edit.json"));
+  run("run", folder.file("edit.json"), "-o", folder.file("again.obj"));
+  expect(readFileSync(folder.file("again.obj"), "utf8")).toBe(readFileSync(folder.file("saved.obj"), "utf8"));
+  await user.press("Control+z");
+  await user.settle();
+  sidesOf(await harness.savedPositions()).forEach((side, k) => expect(side).toBeCloseTo(before[k] ?? 0, 6));
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("a click on a face lays the model flat on it", async () => {
+  harness = await EditorHarness.open({ dark: true });
+  await harness.openSample("bar", 12);
+  const { user } = harness;
+  const { page } = user;
+  const before = sidesOf(await harness.savedPositions());
+  await user.press("Shift+L");
+  const { x, y } = await page.evaluate(() => {
+    const box = window.meshgraft.viewport.canvas.getBoundingClientRect();
+    return { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+  });
+  await page.mouse.move(x, y);
+  await user.clickAt([x, y]);
+  await user.rests();
+  const positions = await harness.savedPositions();
+  const after = sidesOf(positions);
+  expect(after[2]).toBeLessThan(0.5 * (before[2] ?? 0)); // it stood upright
+  expect(Math.min(...positions.filter((_, at) => at % 3 === 2))).toBeCloseTo(0, 4);
+  await user.screenshot("printing-flat");
+  await page.getByRole("button", { name: "Steps", exact: false }).first().click();
+  expect(await page.getByRole("button", { name: "1. Size and place" }).count()).toBeGreaterThan(0);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("the export dialog says what the file will hold, and warns", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bust", 30);
+  const { user } = harness;
+  const { page } = user;
+  await user.press("Control+e");
+  const dialog = page.getByRole("dialog");
+  const warnings = dialog.getByRole("list", { name: "Warnings" });
+  await warnings.waitFor();
+  expect(await warnings.innerText()).toMatch(/Open: 1 hole/);
+  expect(await dialog.innerText()).toMatch(/names no unit/);
+  await user.screenshot("printing-export");
+  await dialog.getByRole("combobox", { name: "Format" }).selectOption(".3mf");
+  expect(await dialog.innerText()).toMatch(/The file says mm/);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
