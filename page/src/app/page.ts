@@ -1,7 +1,7 @@
 import type { ReadonlySignal } from "@preact/signals";
 import type { Viewport } from "../view/viewport";
 import type { Box, Editor } from "./editor";
-import type { Rows4, Vector3Tuple } from "./graft/graft_step";
+import type { Pair, Rows4, StartCandidate, Vector3Tuple } from "./graft/graft_step";
 import type { Command } from "./keys";
 
 /** The functions of the tools that the graft panel uses. */
@@ -22,6 +22,8 @@ export interface GraftActions {
   centreOf(mesh: number): Vector3Tuple;
   /** Returns the pose that the current graft found for the part; null if it found none. */
   foundPose(): Rows4 | null;
+  /** Returns a small picture of a rotation of a pair; undefined while the placement of the part is not known. */
+  startPicture(pair: Pair, candidate: StartCandidate): Promise<string> | undefined;
 }
 
 /** The objects that every panel gets. */

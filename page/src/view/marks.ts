@@ -25,6 +25,7 @@ export class Marks {
   readonly object = new Group();
   /** The positions of all of them, relative to the mesh's offset, 3 numbers each. */
   private positions = new Float32Array();
+  private triangles = new Float32Array();
   private disc: Texture | undefined;
 
   get isEmpty(): boolean {
@@ -40,6 +41,21 @@ export class Marks {
     if (lines !== undefined && lines.length > 0) this.addLines(lines);
     if (points !== undefined && points.length > 0) this.addPoints(points);
     this.positions = joined([points, lines, triangles]);
+    this.triangles = joined([triangles]);
+  }
+
+  /** Returns the mean normal of the triangles; undefined without triangles, or if they face all ways. */
+  facing(): Vector3 | undefined {
+    const sum = new Vector3();
+    const corners = [new Vector3(), new Vector3(), new Vector3()] as const;
+    let all = 0;
+    for (let at = 0; at + 8 < this.triangles.length; at += 9) {
+      corners.forEach((corner, k) => corner.fromArray(this.triangles, at + 3 * k));
+      const normal = corners[1].sub(corners[0]).cross(corners[2].sub(corners[0]));
+      all += normal.length();
+      sum.add(normal);
+    }
+    return sum.length() > 0.4 * all ? sum.normalize() : undefined;
   }
 
   clear(): void {
@@ -48,7 +64,7 @@ export class Marks {
       (drawn.material as Material).dispose();
     }
     this.object.clear();
-    this.positions = new Float32Array();
+    this.positions = this.triangles = new Float32Array();
   }
 
   /** Returns the positions in the coordinates of the object's parent, some thousand at most. */
@@ -64,9 +80,10 @@ export class Marks {
 
   private addTriangles(positions: Float32Array): void {
     const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3));
-    const look = { color: markColour, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
+    const look = { color: markColour, side: DoubleSide };
+    const nearer = { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
     this.add(new Mesh(geometry, new MeshBasicMaterial({ ...look, ...behind })), 1);
-    this.add(new Mesh(geometry, new MeshBasicMaterial({ ...look, transparent: true, opacity: 0.8 })), 2);
+    this.add(new Mesh(geometry, new MeshBasicMaterial({ ...look, ...nearer, transparent: true, opacity: 0.8 })), 2);
   }
 
   private addLines(positions: Float32Array): void {

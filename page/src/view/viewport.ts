@@ -29,6 +29,7 @@ import { Pipeline } from "./pipeline";
 import type { Polygon } from "./picking/polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
+import { smallPicture, type SmallPicture } from "./small_picture";
 import { Surface } from "./surface/surface";
 import { uploadToGpu } from "./surface/to_gpu";
 import { ViewCube, viewFrom, type Side } from "./view_cube";
@@ -214,11 +215,16 @@ export class Viewport {
     const surface = this.surfaceOf(mesh);
     if (this.marks.isEmpty || surface === undefined) return;
     const places = samplePositions([[this.marks, this.parts.get(mesh)?.matrixWorld ?? new Matrix4()]]);
+    const towards = this.marks.facing() ?? this.outwardAt(places);
+    if (towards !== undefined) this.lookAlong(towards.negate());
+    this.navigation.fit(places, 0.09 * surface.box.diagonal);
+  }
+  /** Returns the direction from the middle of everything to places on one side of it; undefined if they are all around. */
+  private outwardAt(places: Float32Array): Vector3 | undefined {
     const { centre, radius } = aroundOf(places);
     const outward = centre.sub(this.boundingSphere.center);
     const isOnOneSide = radius < 0.3 * this.boundingSphere.radius && outward.length() > 0.1 * this.boundingSphere.radius;
-    if (isOnOneSide) this.lookAlong(outward.negate());
-    this.navigation.fit(places, 0.06 * surface.box.diagonal);
+    return isOnOneSide ? outward : undefined;
   }
   hideMarks(): void {
     this.marks.clear();
@@ -269,6 +275,12 @@ export class Viewport {
     clearTimeout(this.posesTimer);
     this.posesTimer = setTimeout(() => this.requestRender(), 260);
     return this.main?.showPoses(poses) ?? false;
+  }
+
+  /** Draws surfaces apart from the scene, as the camera sees them. Returns a square picture as a data URL. */
+  smallPicture(picture: SmallPicture): Promise<string> {
+    if (this.renderer === undefined) return Promise.reject(new Error("the view is not attached yet"));
+    return smallPicture(this.renderer, picture, this.navigation.orientation());
   }
 
   /** Reads the positions that the vertex shader gives the model's vertices (3 numbers each, relative to its offset). */

@@ -35,12 +35,20 @@ test("grafts a head from a fresh page within five actions", async () => {
   expect(user.complaints).toEqual([]);
 });
 
-test("offers other rotations as buttons, which turn the part and are undone", async () => {
+test("offers other rotations as pictures, which turn the part and are undone", async () => {
   const { user } = await openWithPart("bust", "head", 40, true);
   const turnOf = async (report: Awaited<ReturnType<typeof grafted>>) => report?.transform?.[0]?.[0] ?? NaN;
   expect(await turnOf(await grafted(user))).toBeGreaterThan(0); // the head looks the way the bust does
   const rotations = user.page.getByRole("group", { name: "Rotations of pair 1" }).getByRole("button");
   expect(await rotations.first().getAttribute("aria-pressed")).toBe("true");
+  const pictures = rotations.locator("img");
+  await user.page.waitForFunction(
+    (count) => document.querySelectorAll(".rotations img").length === count,
+    await rotations.count(),
+  );
+  const sources = await pictures.evaluateAll((all) => all.map((one) => (one as HTMLImageElement).src));
+  expect(new Set(sources).size).toBe(sources.length); // each shows another rotation
+  expect(await rotations.first().innerText()).toContain("likeliest");
   await user.screenshot("graft-rotations");
   const back = rotations.filter({ hasText: /^-?1[78]\d°/ }).first();
   await back.click();

@@ -118,3 +118,10 @@ function sizeOf(frame: Graft["preview"]["value"]): { vertices: number; faces: nu
   const faces = (frame.indices("triangles")?.length ?? 0) / 3;
   return { vertices: positions.length / 3, faces, sides: high.map((most, k) => most - (low[k] as number)) };
 }
+
+/** Returns a word for how probable a rotation is, from 0 to 1. */
+export function likelihoodWords(probability: number): string {
+  if (probability >= 0.6) return "likely";
+  if (probability >= 0.25) return "possible";
+  return probability >= 0.05 ? "less likely" : "unlikely";
+}

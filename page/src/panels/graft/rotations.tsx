@@ -1,10 +1,12 @@
+import { useEffect, useState } from "preact/hooks";
+import { likelihoodWords } from "../../app/graft/graft_words";
 import type { Pair, StartCandidate } from "../../app/graft/graft_step";
 import type { Page } from "../../app/page";
 
 /** Returns the angle that the slider Twist shows for a turn; it counts the other way. */
 const twistOf = (turnDeg: number) => (turnDeg <= -180 ? 180 : Math.round(-turnDeg) || 0);
 
-/** The rotations that a user may have meant for a pair, each a button; nothing where there is one. */
+/** The rotations that a user may have meant for a pair, each a small picture to click; nothing where there is one. */
 export function Rotations({ page, index, pair }: { page: Page; index: number; pair: Pair }) {
   const { graft } = page.editor;
   const candidates = graft.starts.candidatesOf(index);
@@ -14,18 +16,50 @@ export function Rotations({ page, index, pair }: { page: Page; index: number; pa
   const chosen = pair.start === undefined ? 0 : candidates.findIndex(({ start }) => String(start) === String(pair.start));
   return (
     <div class="rotations" role="group" aria-label={`Rotations of pair ${index + 1}`}>
-      {candidates.map(({ start, probability, turn_deg }, i) => (
-        <button
-          key={String(start)}
-          type="button"
-          class="button quiet"
-          aria-pressed={pair.matches.length === 0 && chosen === i}
-          data-tip={i === 0 ? "The likeliest rotation" : "Rotates the part to this angle from the likeliest rotation"}
-          onClick={() => choose(i === 0 ? undefined : start)}
-        >
-          {`${twistOf(turn_deg)}°`} <small>{`${Math.round(100 * probability)} %`}</small>
-        </button>
+      {candidates.map((candidate, i) => (
+        <Rotation
+          key={String(candidate.start)}
+          page={page}
+          pair={pair}
+          candidate={candidate}
+          words={i === 0 ? "likeliest" : likelihoodWords(candidate.probability)}
+          isChosen={pair.matches.length === 0 && chosen === i}
+          onChoose={() => choose(i === 0 ? undefined : candidate.start)}
+        />
       ))}
     </div>
+  );
+}
+
+interface RotationProps {
+  page: Page;
+  pair: Pair;
+  candidate: StartCandidate;
+  words: string;
+  isChosen: boolean;
+  onChoose: () => void;
+}
+
+function Rotation({ page, pair, candidate, words, isChosen, onChoose }: RotationProps) {
+  const [picture, setPicture] = useState<string | undefined>(undefined);
+  const { start, probability, turn_deg } = candidate;
+  const isPlaced = page.editor.graft.report.value?.transform !== undefined;
+  useEffect(() => {
+    let isWanted = true;
+    void page.graft.startPicture(pair, candidate)?.then((made) => isWanted && setPicture(made));
+    return () => void (isWanted = false);
+  }, [String(start), isPlaced]);
+  return (
+    <button
+      type="button"
+      class="rotation"
+      aria-pressed={isChosen}
+      data-tip={`Rotated by ${twistOf(turn_deg)}°, ${Math.round(100 * probability)} % probable.`}
+      onClick={onChoose}
+    >
+      {picture === undefined ? <span class="rotation-picture" /> : <img class="rotation-picture" src={picture} alt="" />}
+      <span>{`${twistOf(turn_deg)}°`}</span>
+      <small>{words}</small>
+    </button>
   );
 }

@@ -1,8 +1,9 @@
 import { Matrix4, Vector3 } from "three";
 import type { Editor } from "../../app/editor";
-import type { Vector3Tuple, Rows4 } from "../../app/graft/graft_step";
+import type { Pair, Rows4, StartCandidate, Vector3Tuple } from "../../app/graft/graft_step";
 import type { GraftActions } from "../../app/page";
 import { matrixOfRows, rowsOfMatrix } from "../../view/graft/graft_view";
+import { StartPictures } from "../../view/graft/start_pictures";
 import type { Viewport } from "../../view/viewport";
 import type { DropTool } from "./drop_tool";
 import type { Pointer } from "../tool";
@@ -11,11 +12,15 @@ const dragPx = 7; // a press that moves farther is a drag
 
 /** Implements the functions of the tools that the graft panel uses. */
 export class GraftPanelActions implements GraftActions {
+  private readonly pictures: StartPictures;
+
   constructor(
     private readonly editor: Editor,
     private readonly viewport: Viewport,
     private readonly dropTool: DropTool,
-  ) {}
+  ) {
+    this.pictures = new StartPictures(viewport, editor.graft);
+  }
 
   dragPart(add: () => Promise<string | undefined>, press: PointerEvent): void {
     if (press.button !== 0 || this.editor.graft.kept.value !== undefined) return;
@@ -102,6 +107,10 @@ export class GraftPanelActions implements GraftActions {
 
   centreOf(mesh: number): Vector3Tuple {
     return this.viewport.surfaceOf(mesh)?.sphere().center.toArray() ?? [0, 0, 0];
+  }
+
+  startPicture(pair: Pair, candidate: StartCandidate): Promise<string> | undefined {
+    return this.pictures.picture(pair, candidate);
   }
 
   /** Returns the found pose without the mirror, which is applied before it. */
