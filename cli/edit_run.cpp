@@ -25,8 +25,9 @@ namespace meshgraft::cli {
 namespace {
 
 bool keeps_faces(const EditFile& edit) {
-  return std::all_of(edit.steps.begin(), edit.steps.end(),
-                     [](const EditStep& step) { return std::holds_alternative<DeformStep>(step.action); });
+  return std::all_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
+    return std::holds_alternative<DeformStep>(step.action) || std::holds_alternative<SculptStep>(step.action);
+  });
 }
 
 // Checks that the edit can be written as a morph target. A cut or a merge has no rest shape with the same

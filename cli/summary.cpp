@@ -73,6 +73,11 @@ void print_repair(const StepReport& step, const std::string& name) {
   fmt::print("  {}repair: {} vertices, {} faces are left\n", name, step.counts.vertices, step.counts.faces);
 }
 
+void print_sculpt(const StepReport& step, const std::string& name) {
+  fmt::print("  {}{}: {} vertices; the farthest moved {:.4g}\n", name, to_string(step.sculpt->action),
+             step.sculpt->region, step.sculpt->max_displacement);
+}
+
 void print_transform(const StepReport& step, const std::string& name) {
   const Eigen::Matrix3d& linear = step.transform->linear();
   fmt::print("  {}transform: the whole mesh was moved, and its volume changed by a factor of {:.4g}\n", name,
@@ -114,6 +119,8 @@ void print_summary(const EditReport& report, const Points& rest) {
       print_cut(step, name);
     else if (step.repair)
       print_repair(step, name);
+    else if (step.sculpt)
+      print_sculpt(step, name);
     else if (step.transform)
       print_transform(step, name);
     else

@@ -26,7 +26,7 @@ RECORDS = (
     "MergeOptions", "Similarity", "SeamFaults", "SeamReport", "RetryReport", "PairReport", "ShapeReport", "BaseReport",
     "MergeReport", "MergeIntersections",
     "DeformSettings", "StageSeconds", "DeformCounts", "ProxyReport",
-    "SymmetryReport", "MergeOutcome", "CutOutcome", "RepairOutcome", "StepReport", "EditReport::Input", "EditReport",
+    "SymmetryReport", "MergeOutcome", "CutOutcome", "RepairOutcome", "SculptOutcome", "StepReport", "EditReport::Input", "EditReport",
     "SampleInfo", "WriteResult", "HandleBuffers", "StencilNodes",
 )
 

@@ -23,7 +23,7 @@ from meshgraft._facts import Error
 from meshgraft._merge import MergeKeywords, merge_step
 from meshgraft._mesh import Mesh, write
 from meshgraft._pose import pose_of
-from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords
+from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords, SculptAction
 from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
@@ -166,6 +166,15 @@ class Edit:
                **options: Unpack[RepairKeywords]) -> Self:
         """Adds a repair step on a mesh by name. The options are those of `meshgraft.repair`."""
         return self._add({"kind": "repair", "mesh": mesh, **_texts.without_none(**options)}, result, name, about)
+
+    def sculpt(self, mesh: str, action: SculptAction, region: Any, *, strength: float | None = None,
+               height: float | None = None, result: str | None = None, name: str | None = None,
+               about: str | None = None) -> Self:
+        """Adds a step that smooths, inflates or flattens a region. `strength`, from 0 to 1, is for "smooth" and "flatten",
+        `height`, of the middle in model units, for "inflate"."""
+        step = {"kind": "sculpt", "mesh": mesh, "action": action, "region": _texts.spec_of(region, "region", None),
+                **_texts.without_none(strength=strength, height=height)}
+        return self._add(step, result, name, about)
 
     def transform(self, mesh: str, pose: Any, *, result: str | None = None, name: str | None = None,
                   about: str | None = None) -> Self:

@@ -27,7 +27,8 @@ bool matters(const Finding& finding);
 /// Returns the findings on an object that matter, worst first, as the protocol has them.
 Json findings_json(const MeshState& state);
 
-/// Returns the finding by its kind's name, e.g. "zero-area-face". Throws Error(input) where the object has none.
+/// Returns the finding by its kind's name, e.g. "zero-area-face". Throws Error(input) where the object has
+/// none.
 const Finding& finding_named(const Object& object, const std::string& name);
 
 /// Returns notes on a file, by the name `file`: io.other_format, and on the defects of its mesh that matter for

@@ -139,7 +139,7 @@ struct MeshToWrite {
 Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context& context) {
   const EditFile edit = saved_form(workspace.document(), workspace.document().edit.base_folder);
   const bool same_faces = std::all_of(edit.steps.begin(), edit.steps.end(), [](const EditStep& step) {
-    return std::holds_alternative<DeformStep>(step.action);
+    return std::holds_alternative<DeformStep>(step.action) || std::holds_alternative<SculptStep>(step.action);
   });
   if (what.morph_target && !same_faces) throw Error(facts::editor::FacesChange{}, "export.as");
   const Workspace::Outcome result = workspace.outcome(context);

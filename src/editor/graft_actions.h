@@ -30,8 +30,8 @@ void remove_part(Json& document, const EditFile& edit, const std::string& name);
 /// Makes a part the model, on which the following steps work.
 void edit_part(Json& document, const EditFile& edit, const std::string& name);
 
-/// Adds a step that changes the faces of one mesh, such as a cut. Its `mesh` is the model or a part. Returns the
-/// index of the step.
+/// Adds a step that changes the faces of one mesh, such as a cut. Its `mesh` is the model or a part. Returns
+/// the index of the step.
 std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step);
 
 /// Starts a graft, or changes the one in work. `fields` are those of a merge step; null removes a field, and

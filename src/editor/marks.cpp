@@ -75,7 +75,8 @@ void mark_components(Marker& marker, const Object& object, const std::vector<Ind
   for (const Index seed : seeds) meant.push_back(component[seed]);
   std::ranges::sort(meant);
   for (Index t = 0; t < object.triangles.rows(); ++t)
-    if (std::ranges::binary_search(meant, component[object.triangles(t, 0)])) marker.triangle(object.triangles, t);
+    if (std::ranges::binary_search(meant, component[object.triangles(t, 0)]))
+      marker.triangle(object.triangles, t);
 }
 
 // Marks the corners of the vertices' faces that are not among them.
@@ -100,7 +101,8 @@ std::vector<Index> triangles_in(const std::vector<TrianglePair>& pairs) {
   return triangles;
 }
 
-std::vector<float> as_floats(const std::vector<Eigen::RowVector3d>& positions, const Eigen::RowVector3d& offset) {
+std::vector<float> as_floats(const std::vector<Eigen::RowVector3d>& positions,
+                             const Eigen::RowVector3d& offset) {
   std::vector<float> floats;
   floats.reserve(3 * positions.size());
   for (const Eigen::RowVector3d& position : positions)

@@ -23,9 +23,9 @@ struct Marks {
   bool empty() const { return points.empty() && lines.empty() && triangles.empty(); }
 };
 
-/// Returns the places of a finding on the object's mesh: edges as lines, faces as triangles with their outlines,
-/// components as triangles, and other vertices as points. For vertices without a finite position and for
-/// outlying ones, these are the other corners of their faces.
+/// Returns the places of a finding on the object's mesh: edges as lines, faces as triangles with their
+/// outlines, components as triangles, and other vertices as points. For vertices without a finite position and
+/// for outlying ones, these are the other corners of their faces.
 Marks marks_of(const Object& object, const Finding& finding);
 
 /// The findings of a print check that have places.

@@ -1,6 +1,9 @@
 // Requests that concern whole steps, and fields that apply to a whole step.
+#include <utility>
+
 #include <meshgraft/core/error.h>
 
+#include "graft_actions.h"
 #include "step_actions.h"
 #include "worker.h"
 
@@ -62,6 +65,18 @@ Json Worker::step(const json::Value& message, const Context& context) {
   }
   rename_step(document, index, fields.required("name").string());
   return change("rename_step", document, context);
+}
+
+Json Worker::sculpt(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "action", "select", "strength", "height"});
+  const EditFile& edit = open_one().document().edit;
+  require_no_graft(edit, "sculpt");
+  Json step = {{"kind", "sculpt"}, {"mesh", model_name()}, {"region", selection_or(fields, model_name())}};
+  for (const char* field : {"action", "strength", "height"})
+    fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
+  Json document = open_one().document().json;
+  add_mesh_step(document, edit, std::move(step));
+  return change("sculpt", document, context);
 }
 
 }  // namespace meshgraft::editor

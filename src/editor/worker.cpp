@@ -113,6 +113,7 @@ Worker::Answer Worker::answer_to(const std::string& what) {
       {"thumbnail", &Worker::thumbnail},
       {"settings", &Worker::settings},
       {"symmetry", &Worker::symmetry},
+      {"sculpt", &Worker::sculpt},
       {"step", &Worker::step},
       {"accept", &Worker::accept},
       {"undo", &Worker::undo},

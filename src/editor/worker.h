@@ -101,6 +101,7 @@ class Worker {
   Json thumbnail(const json::Value& message, const Context& context);
   Json settings(const json::Value& message, const Context& context);
   Json symmetry(const json::Value& message, const Context& context);
+  Json sculpt(const json::Value& message, const Context& context);
   Json step(const json::Value& message, const Context& context);
   Json accept(const json::Value& message, const Context& context);
   Json undo(const json::Value& message, const Context& context);

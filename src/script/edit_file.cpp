@@ -41,6 +41,7 @@ EditStep parse_step(const Value& value) {
                                            {"merge", &parse_merge_step},
                                            {"repair", &parse_repair_step},
                                            {"transform", &parse_transform_step},
+                                           {"sculpt", &parse_sculpt_step},
                                            {"accept", nullptr}});
   if (!parser) kind.fail(facts::script::UnsupportedStep{.kind = kind.string()});
   EditStep step = parser(value);
@@ -204,10 +205,14 @@ void for_each_step_selection(const MergeStep& step,
     visit(step.features[i].select, Location("features")[i] / "select");
 }
 
+void for_each_step_selection(const SculptStep& step,
+                             const std::function<void(const EditSelection&, const Location&)>& visit) {
+  visit(step.region, "region");
+}
+
 // The other steps have no selections.
 template <class Step>
-void for_each_step_selection(const Step&,
-                             const std::function<void(const EditSelection&, const Location&)>&) {}
+void for_each_step_selection(const Step&, const std::function<void(const EditSelection&, const Location&)>&) {}
 
 void for_each_step_selection(const EditStep& step,
                              const std::function<void(const EditSelection&, const Location&)>& visit) {
@@ -439,6 +444,15 @@ std::vector<std::filesystem::path> referenced_files(const EditFile& edit) {
 }
 
 std::string_view to_string(Preset value) { return value == Preset::as_published ? "as-published" : ""; }
+
+std::string_view to_string(SculptAction value) {
+  switch (value) {
+    case SculptAction::smooth: return "smooth";
+    case SculptAction::inflate: return "inflate";
+    case SculptAction::flatten: return "flatten";
+  }
+  return "";
+}
 
 std::string_view to_string(EditSelection::SelRole value) {
   switch (value) {

@@ -117,7 +117,8 @@ PoseSpec parse_pose(const Value& value, HandleShape shape) {
     if (shape != HandleShape::curve) fields.required("curve").fail(facts::script::RedrawnNoCurve{});
     return {PoseSpec::Redrawn{fields.required("curve").points(2)}};
   }
-  return {std::visit([](auto&& pose) { return PoseSpec::Kind(std::move(pose)); }, parse_affine_pose(fields, value))};
+  return {std::visit([](auto&& pose) { return PoseSpec::Kind(std::move(pose)); },
+                     parse_affine_pose(fields, value))};
 }
 
 namespace {

@@ -25,9 +25,11 @@ EditSelection parse_selection(const json::Value& value);
 PoseSpec parse_pose(const json::Value& value, HandleShape shape);
 
 /// The fields of a pose that is one affine map.
-inline constexpr std::array<std::string_view, 5> affine_fields = {"matrix", "translate", "rotate", "scale", "pivot"};
+inline constexpr std::array<std::string_view, 5> affine_fields = {"matrix", "translate", "rotate", "scale",
+                                                                  "pivot"};
 /// Parses a pose with these fields, of which `matrix` goes alone.
-std::variant<HandleMotion, Eigen::Matrix4d> parse_affine_pose(const json::Object& fields, const json::Value& value);
+std::variant<HandleMotion, Eigen::Matrix4d> parse_affine_pose(const json::Object& fields,
+                                                              const json::Value& value);
 
 inline void read_count(const json::Object& fields, std::string_view key, std::optional<Index>& count) {
   fields.optional(key, [&](const json::Value& value) { count = value.vertex(); });
@@ -91,6 +93,7 @@ EditStep parse_merge_step(const json::Value& value);
 EditStep parse_cut_step(const json::Value& value);
 EditStep parse_repair_step(const json::Value& value);
 EditStep parse_transform_step(const json::Value& value);
+EditStep parse_sculpt_step(const json::Value& value);
 EditFile parse_deform_version_1(const json::Value& root);
 EditFile parse_merge_version_1(const json::Value& root);
 

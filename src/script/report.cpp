@@ -253,7 +253,11 @@ Json deform_json(const StepReport& step, const Wording& wording) {
 }
 
 std::string kind_word(const StepReport& step) {
-  return step.merge ? "merge" : step.cut ? "cut" : step.repair ? "repair" : step.transform ? "transform" : "deform";
+  if (step.merge) return "merge";
+  if (step.cut) return "cut";
+  if (step.repair) return "repair";
+  if (step.sculpt) return "sculpt";
+  return step.transform ? "transform" : "deform";
 }
 
 Json step_json(const StepReport& step, const Wording& wording) {
@@ -267,6 +271,11 @@ Json step_json(const StepReport& step, const Wording& wording) {
   if (step.merge) add_merge(json, *step.merge);
   if (step.cut) add_cut(json, *step.cut);
   if (step.repair) add_repair(json, *step.repair, wording);
+  if (step.sculpt) {
+    json["action"] = to_string(step.sculpt->action);
+    json["region"] = step.sculpt->region;
+    json["max_displacement"] = step.sculpt->max_displacement;
+  }
   if (step.transform) json["matrix"] = rows_json(*step.transform);
   json["notes"] = to_json(step.notes, wording);
   return json;

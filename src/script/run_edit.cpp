@@ -72,11 +72,12 @@ void sum_up(EditReport& report) {
 void measure_result(EditReport& report, const MeshState& state, const Context& context) {
   Stopwatch watch;
   const bool same_faces = std::ranges::none_of(report.steps, &StepReport::replaces_mesh);
-  report.deformed = std::ranges::any_of(report.steps, &StepReport::is_deform) &&
+  const auto shapes = [](const StepReport& step) { return step.is_deform() || step.sculpt; };
+  report.deformed = std::ranges::any_of(report.steps, shapes) &&
                     (same_faces || std::any_of(state.was_free.begin(), state.was_free.end(),
                                                [](std::uint8_t free) { return free != 0; }));
   if (!report.deformed) return;
-  if (report.steps.size() == 1) {
+  if (report.steps.size() == 1 && report.steps.front().is_deform()) {
     report.quality = report.steps.front().quality;
     report.max_displacement = report.steps.front().max_displacement;
   } else {
@@ -117,6 +118,8 @@ StepReport run_step(const EditFile& edit, const EditStep& edit_step, const Locat
   if (std::holds_alternative<CutStep>(edit_step.action)) return run_cut(edit_step, location, states, context);
   if (std::holds_alternative<RepairStep>(edit_step.action))
     return run_repair(edit_step, location, states, context);
+  if (std::holds_alternative<SculptStep>(edit_step.action))
+    return run_sculpt(edit, edit_step, location, states, context);
   if (std::holds_alternative<TransformStep>(edit_step.action))
     return run_transform(edit_step, location, states, context);
   return run_deform(edit, std::get<DeformStep>(edit_step.action), location,

@@ -86,6 +86,8 @@ StepReport run_cut(const EditStep& step, const Location& location, std::map<std:
                    const Context& context);
 StepReport run_repair(const EditStep& step, const Location& location, std::map<std::string, MeshState>& states,
                       const Context& context);
+StepReport run_sculpt(const EditFile& edit, const EditStep& step, const Location& location,
+                      std::map<std::string, MeshState>& states, const Context& context);
 StepReport run_transform(const EditStep& step, const Location& location,
                          std::map<std::string, MeshState>& states, const Context& context);
 

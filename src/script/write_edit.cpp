@@ -308,6 +308,21 @@ Json step_json(const EditStep& edit_step, const TransformStep& step) {
   return json;
 }
 
+Json step_json(const EditStep& edit_step, const SculptStep& step) {
+  Json json = {{"kind", "sculpt"}};
+  if (!edit_step.name.empty()) json["name"] = edit_step.name;
+  if (!edit_step.about.empty()) json["about"] = edit_step.about;
+  json["mesh"] = step.mesh;
+  if (!step.result.empty()) json["result"] = step.result;
+  json["action"] = to_string(step.action);
+  json["region"] = selection_json(step.region);
+  if (step.action == SculptAction::inflate)
+    json["height"] = step.height;
+  else
+    json["strength"] = step.strength;
+  return json;
+}
+
 // Returns the name of an axis, or a vector.
 Json direction_json(const Eigen::Vector3d& direction) {
   for (const char* name : {"x", "y", "z", "-x", "-y", "-z"})

@@ -47,7 +47,8 @@ TEST_F(PrintingEditor, ChecksTheMeshAsItIsEdited) {
   EXPECT_EQ(before["open_edges"], 0);
   EXPECT_EQ(before["intersections"], 0);
   const Mesh bar = make_sample("bar", 20);
-  EXPECT_NEAR(before["size"][2].get<double>(), bar.positions.col(2).maxCoeff() - bar.positions.col(2).minCoeff(), 1e-9);
+  EXPECT_NEAR(before["size"][2].get<double>(),
+              bar.positions.col(2).maxCoeff() - bar.positions.col(2).minCoeff(), 1e-9);
   paint_top(page_);
   page_.exact(page_.ask({{"do", "pose"}, {"poses", {{"top", {{"translate", {0, 0, 1}}}}}}})["pose"]);
   EXPECT_NEAR(check()["size"][2].get<double>(), before["size"][2].get<double>() + 1, 1e-6);
@@ -61,7 +62,8 @@ TEST_F(PrintingEditor, MarksWhatItFound) {
   EXPECT_TRUE(found["volume"].is_null());
   EXPECT_EQ(page_.ask({{"do", "mark"}, {"print", "open-edges"}})["marked"], found["open_edges"]);
   EXPECT_EQ(page_.frame(print_marks).numbers.at("lines").size(), 6 * found["open_edges"].get<std::size_t>());
-  for (const auto& [finding, count] : {std::pair("thin-walls", "thin"), std::pair("overhangs", "overhanging")}) {
+  for (const auto& [finding, count] :
+       {std::pair("thin-walls", "thin"), std::pair("overhangs", "overhanging")}) {
     EXPECT_GT(found[count], 0);
     EXPECT_EQ(page_.ask({{"do", "mark"}, {"print", finding}})["marked"], found[count]);
     EXPECT_EQ(page_.frame(print_marks).numbers.at("triangles").size(), 9 * found[count].get<std::size_t>());
@@ -103,6 +105,25 @@ TEST_F(PrintingEditor, ScalesAndTurnsAsSteps) {
   EXPECT_EQ(state()["steps"].size(), 2u);
   EXPECT_EQ(page_.refusal({{"do", "transform"}, {"pose", {{"scale", 0}}}})["id"], "script.pose_flattens");
   EXPECT_EQ(page_.refusal({{"do", "transform"}, {"pose", {{"def", "a.def"}}}})["code"], "input");
+}
+
+TEST_F(PrintingEditor, ShapesTheSelectionAsSteps) {
+  page_.ask(open_bar);
+  EXPECT_EQ(page_.refusal({{"do", "sculpt"}, {"action", "smooth"}})["id"], "editor.nothing_selected");
+  page_.ask({{"do", "select"},
+             {"how", "set"},
+             {"what", {{"half_space", {{"point", {0, 0, 3}}, {"normal", {0, 0, 1}}}}}}});
+  const double volume = check()["volume"];
+  page_.ask({{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.3}});
+  EXPECT_GT(check()["volume"], volume);
+  page_.ask({{"do", "sculpt"}, {"action", "smooth"}, {"strength", 0.3}});
+  page_.ask({{"do", "sculpt"}, {"action", "flatten"}, {"strength", 0.3}});
+  const Json steps = state()["steps"];
+  ASSERT_EQ(steps.size(), 4u);
+  EXPECT_EQ(steps[1]["kind"], "sculpt");
+  EXPECT_EQ(steps[1]["fields"]["action"], "smooth");
+  EXPECT_EQ(page_.refusal({{"do", "sculpt"}, {"action", "inflate"}})["code"], "input");
+  replayed();
 }
 
 }  // namespace

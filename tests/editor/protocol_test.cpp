@@ -75,6 +75,7 @@ void ask_all_of_printing(Page& page) {
   page.ask({{"do", "repair"}, {"holes", true}});
   page.ask({{"do", "print-check"}});
   page.ask({{"do", "transform"}, {"pose", {{"scale", 2}}}});
+  page.ask({{"do", "sculpt"}, {"action", "smooth"}, {"select", "all"}, {"strength", 0.2}});
 }
 
 void ask_all_of_grafting(Page& page) {

@@ -268,11 +268,31 @@ struct TransformStep {
   std::variant<HandleMotion, Eigen::Matrix4d> pose;
 };
 
+/// Ways to shape a part of a surface without handles.
+enum class SculptAction {
+  smooth,   ///< removes detail and keeps the tangent planes around the region
+  inflate,  ///< raises the middle of the region along its normals, or lowers it
+  flatten,  ///< moves the region towards its plane
+};
+
+/// Returns the action's name in edit files and reports.
+std::string_view to_string(SculptAction value);
+
+/// Smooths, inflates or flattens a region.
+struct SculptStep {
+  std::string mesh;
+  std::string result;  ///< name of the resulting mesh; empty = the same name
+  SculptAction action = SculptAction::smooth;
+  EditSelection region;   ///< vertices that may move; those at an open boundary stay
+  double strength = 0.5;  ///< for `smooth` and `flatten`, 0 to 1
+  double height = 0;      ///< for `inflate`: of the middle, model units; negative: inward
+};
+
 /// One step of an edit. New kinds of steps are added to the variant.
 struct EditStep {
   std::string name;   ///< optional; unique where given
   std::string about;  ///< optional
-  std::variant<DeformStep, MergeStep, CutStep, RepairStep, TransformStep> action;
+  std::variant<DeformStep, MergeStep, CutStep, RepairStep, TransformStep, SculptStep> action;
 };
 
 /// Number of the methods. It is raised when the same edit file gives other results than before, other than

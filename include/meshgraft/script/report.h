@@ -102,8 +102,16 @@ struct CutOutcome {
 /// Results of a repair step other than the mesh.
 struct RepairOutcome {
   RepairOptions options;
-  std::vector<RepairChange> changes;  ///< changes in the order of the repair; empty: there was nothing to repair
-  IndexMap map;                       ///< vertices, old → new, or -1 where one was removed
+  std::vector<RepairChange>
+      changes;   ///< changes in the order of the repair; empty: there was nothing to repair
+  IndexMap map;  ///< vertices, old → new, or -1 where one was removed
+};
+
+/// Results of a sculpt step other than the mesh.
+struct SculptOutcome {
+  SculptAction action = SculptAction::smooth;
+  Index region = 0;             ///< number of vertices of the region
+  double max_displacement = 0;  ///< model units
 };
 
 /// Report on one step. A step of another kind than a deformation has its own record; fields that concern only
@@ -115,6 +123,7 @@ struct StepReport {
   std::optional<MergeOutcome> merge;
   std::optional<CutOutcome> cut;
   std::optional<RepairOutcome> repair;
+  std::optional<SculptOutcome> sculpt;
   std::optional<Eigen::Affine3d> transform;  ///< the map of a transform step
   Method method;
   DeformSettings settings;  ///< a published method uses only the backend and `refine_boundary`
@@ -134,7 +143,7 @@ struct StepReport {
   Quality quality;
   std::vector<Note> notes;  ///< about deviations from the request
 
-  bool is_deform() const { return !merge && !cut && !repair && !transform; }
+  bool is_deform() const { return !merge && !cut && !repair && !sculpt && !transform; }
   /// Returns whether the result has other vertices and faces than the mesh that the step worked on.
   bool replaces_mesh() const { return merge || cut || (repair && !repair->changes.empty()); }
 };

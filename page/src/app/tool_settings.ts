@@ -33,6 +33,8 @@ export class ToolSettings {
   readonly reachFor = signal<{ handle: string; reach: number } | null>(null);
   /** The distance of two clicked points, model units; null if there are no two. */
   readonly measured = signal<number | null>(null);
+  /** How strongly a selection is smoothed, flattened or inflated, up to 1. */
+  readonly shapeStrength = signal(0.5);
   readonly movesPivot = signal(false); // a drag of the gizmo moves only the pivot
   readonly gizmoSpace = signal<"local" | "world">("local");
   readonly snap = signal(false);

@@ -5,6 +5,7 @@ import { counted } from "../app/units";
 import { CommandLabelButton } from "./command_button";
 import { RepairDetails } from "./repair_details";
 import { CutDetails, DeformDetails, GraftDetails, type DetailsProps, type Step } from "./step_details";
+import { SculptDetails } from "./sculpt_details";
 import { TransformDetails } from "./transform_details";
 import { NameField } from "./ui/fields";
 import { Icon, type IconName } from "./ui/icon";
@@ -16,6 +17,7 @@ const kinds: Record<Step["kind"], { name: string; icon: IconName }> = {
   merge: { name: "Graft", icon: "connected" },
   cut: { name: "Cut", icon: "minus" },
   repair: { name: "Mend", icon: "mend" },
+  sculpt: { name: "Shape", icon: "brush" },
   transform: { name: "Size and place", icon: "measure" },
 };
 
@@ -117,6 +119,7 @@ function StepDetails(props: DetailsProps) {
   if (props.step.kind === "merge") return <GraftDetails {...props} />;
   if (props.step.kind === "cut") return <CutDetails {...props} />;
   if (props.step.kind === "repair") return <RepairDetails {...props} />;
+  if (props.step.kind === "sculpt") return <SculptDetails {...props} />;
   if (props.step.kind === "transform") return <TransformDetails {...props} />;
   return <DeformDetails {...props} />;
 }

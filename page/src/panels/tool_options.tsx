@@ -3,6 +3,8 @@ import type { ToolName, ToolSettings } from "../app/tool_settings";
 import { scalingPose } from "../app/placing";
 import { counted } from "../app/units";
 import { CommandButton, CommandLabelButton } from "./command_button";
+import { inflatedHeight } from "../app/shaping";
+import { Button } from "./ui/button";
 import { NumberField, Segments, Slider } from "./ui/fields";
 
 const hints: Record<ToolName, string> = {
@@ -85,6 +87,7 @@ export function ToolOptions({ page }: { page: Page }) {
         </span>
       </div>
       {selected > 0 && <SelectionLine page={page} selected={selected} />}
+      {selected > 0 && <ShapeLine page={page} />}
       {tools.activeHandle.value !== null && <HandleLine page={page} />}
     </div>
   );
@@ -132,6 +135,37 @@ function SelectionLine({ page, selected }: { page: Page; selected: number }) {
       <CommandLabelButton page={page} id="make-handle" icon="handle" kind="primary" />
       <CommandLabelButton page={page} id="make-region" icon="region" />
       <CommandLabelButton page={page} id="make-fixed" icon="fixed" />
+    </div>
+  );
+}
+
+/** Shapes what is selected, each time as a step. */
+function ShapeLine({ page }: { page: Page }) {
+  const { editor, viewport } = page;
+  const { shapeStrength } = editor.tools;
+  const strength = shapeStrength.value;
+  const shape = (action: "smooth" | "flatten") => void editor.ask({ do: "sculpt", action, strength });
+  const inflate = (sign: 1 | -1) => {
+    const surface = viewport.main;
+    if (surface === undefined) return;
+    void editor.ask({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength) });
+  };
+  return (
+    <div class="tool-line shape-line" role="toolbar" aria-label="Shape">
+      <Button label="Smooth" tip="Removes detail; keeps how the surface around meets it." onClick={() => shape("smooth")} />
+      <Button label="Flatten" tip="Moves it towards its plane." onClick={() => shape("flatten")} />
+      <Button label="Inflate" tip="Raises its middle." onClick={() => inflate(1)} />
+      <Button label="Dent" tip="Lowers its middle." onClick={() => inflate(-1)} />
+      <Slider
+        label="Strength"
+        min={0.05}
+        max={1}
+        step={0.05}
+        digits={2}
+        value={strength}
+        help="How much each of these does. It can be changed later, under Steps."
+        onChange={(to) => (shapeStrength.value = to)}
+      />
     </div>
   );
 }

@@ -1,0 +1,43 @@
+import type { DetailsProps } from "./step_details";
+import { NumberField, Slider } from "./ui/fields";
+
+/** How strongly a step smooths or flattens, or how high it inflates. */
+export function SculptDetails({ page, step: { fields }, index }: DetailsProps) {
+  const { action, strength = 0.5, height = 0 } = fields as { action?: string; strength?: number; height?: number };
+  const unit = page.editor.view.unit.value;
+  const change = (changes: { strength?: number; height?: number }) =>
+    void page.editor.ask({ do: "step", what: "change", index, fields: changes });
+  if (action === "inflate")
+    return (
+      <div class="step-details">
+        <label class="row">
+          <span id={`height-${index}`}>Height</span>
+          <NumberField
+            label="Height"
+            labelledBy={`height-${index}`}
+            value={height}
+            quantity="length"
+            unit={unit}
+            suffix={unit === "none" ? "" : unit}
+            step={0.01 * (page.editor.state.value?.model.diagonal ?? 1)}
+            tip="Of the middle. A negative number makes a dent."
+            onChange={(to) => change({ height: to })}
+          />
+        </label>
+      </div>
+    );
+  return (
+    <div class="step-details">
+      <Slider
+        label={action === "flatten" ? "Flatten" : "Smooth"}
+        min={0}
+        max={1}
+        step={0.05}
+        digits={2}
+        value={strength}
+        help={action === "flatten" ? "1 makes the middle flat." : "1 leaves hardly anything of the old shape; the surface around decides."}
+        onChange={(to) => change({ strength: to })}
+      />
+    </div>
+  );
+}

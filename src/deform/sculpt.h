@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+
+#include <meshgraft/core/context.h>
+#include <meshgraft/mesh/mesh.h>
+
+namespace meshgraft {
+
+/// A surface whose part is shaped without handles, by reference: its vertices (n×3, model units), its triangles
+/// (m×3), and the vertices that may move. Those at an open boundary of the surface stay.
+struct SculptedSurface {
+  const Points& points;
+  const Triangles& triangles;
+  std::span<const Index> region;
+};
+
+/// Smooths the region and keeps the positions and tangent planes around it. Minimises the sum of squared
+/// Laplacians (Botsch & Kobbelt 2004, Eq. 4) and μ times the squared distances from the given positions, with
+/// μ = (2π/(s ℓ))⁴ − (2π/ℓ)⁴ for the strength s and the square root ℓ of the region's area. So detail shorter
+/// than about s ℓ goes, at any density of the triangles; with s = 1 the given shape acts on the weights alone.
+/// Returns the new positions (n×3). Throws Error(input) for a strength outside 0 … 1 or where a whole connected
+/// component would move with s = 1, because nothing would give it a shape; Error(cancelled).
+Points smooth_region(const SculptedSurface& surface, double strength, const Context& context = {});
+
+/// Moves the region along its normals, without those of its detail: by `height` (model units, negative: inward)
+/// where it is farthest from its boundary, and less towards it, so that the tangent planes around it are kept.
+/// Returns the new positions (n×3).
+Points inflate_region(const SculptedSurface& surface, double height, const Context& context = {});
+
+/// Moves the region towards the plane that fits it best, by the fraction `strength` of the distance, and less
+/// near its boundary. Returns the new positions (n×3). Throws Error(input) for a strength outside 0 … 1.
+Points flatten_region(const SculptedSurface& surface, double strength, const Context& context = {});
+
+}  // namespace meshgraft

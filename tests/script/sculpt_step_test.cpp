@@ -1,0 +1,98 @@
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/script/run_edit.h>
+
+#include "deform/sculpt.h"
+#include "io/temporary_folder.h"
+#include "script/facts.h"
+#include "support/defects.h"
+#include "support/mesh_families.h"
+#include "support/paths.h"
+
+namespace meshgraft {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class SculptStepTest : public testing::Test {
+ protected:
+  void SetUp() override { put(make_mesh(ball_.positions, ball_.triangles)); }
+  void put(const Mesh& mesh) { write_mesh(mesh, folder_ / "ball.ply"); }
+  EditFile edit(const std::string& fields) const {
+    return parse_edit(R"({"format": "meshgraft-edit", "version": 2, "inputs": {"ball": {"file": "ball.ply"}},
+                          "selections": {"cap": {"half_space": {"point": [0, 0, 0.5], "normal": [0, 0, 1]}}},
+                          "steps": [{"kind": "sculpt", "mesh": "ball", )" +
+                          fields + "}]}",
+                      "edit.json", folder_.path());
+  }
+  std::vector<Index> cap(const Mesh& mesh) const {
+    std::vector<Index> vertices;
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if (mesh.positions(v, 2) >= 0.5) vertices.push_back(v);
+    return vertices;
+  }
+
+  const test::TemporaryFolder folder_;
+  const test::TestMesh ball_ = test::bumpy_sphere(3);
+};
+
+TEST_F(SculptStepTest, DoesWhatTheFunctionsDo) {
+  const Mesh given = read_mesh(folder_ / "ball.ply");
+  const std::vector<Index> region = cap(given);
+  const SculptedSurface surface{given.positions, ball_.triangles, region};
+  const auto run = [&](const std::string& fields) { return run_edit(edit(fields)).mesh.positions; };
+  EXPECT_EQ(run(R"("action": "smooth", "region": "cap")"), smooth_region(surface, 0.5));
+  EXPECT_EQ(run(R"("action": "smooth", "region": "cap", "strength": 1)"), smooth_region(surface, 1));
+  EXPECT_EQ(run(R"("action": "inflate", "region": "cap", "height": -0.2)"), inflate_region(surface, -0.2));
+  EXPECT_EQ(run(R"("action": "flatten", "region": "cap", "strength": 0.7)"), flatten_region(surface, 0.7));
+}
+
+// Faces with vertices of their own, as in STL files, stay together.
+TEST_F(SculptStepTest, MovesTheVerticesAtOnePlaceAsOne) {
+  const Mesh whole = run_edit(edit(R"("action": "smooth", "region": "cap")")).mesh;
+  const Mesh given = read_mesh(folder_ / "ball.ply");
+  put(test::as_soup(given));
+  const Mesh soup = run_edit(edit(R"("action": "smooth", "region": "cap")")).mesh;
+  ASSERT_EQ(soup.vertex_count(), 3 * given.face_count());
+  for (Index f = 0; f < given.face_count(); ++f)
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_LT((soup.positions.row(soup.faces[f][c]) - whole.positions.row(given.faces[f][c])).norm(), 1e-9);
+}
+
+TEST_F(SculptStepTest, IsReported) {
+  const EditResult result = run_edit(edit(R"("action": "inflate", "region": "cap", "height": 0.3)"));
+  EXPECT_TRUE(result.report.deformed);
+  const Json report = Json::parse(write_report(result.report));
+  const Json& step = report["steps"][0];
+  EXPECT_EQ(step["kind"], "sculpt");
+  EXPECT_EQ(step["action"], "inflate");
+  EXPECT_EQ(step["region"], cap(read_mesh(folder_ / "ball.ply")).size());
+  EXPECT_NEAR(step["max_displacement"].get<double>(), 0.3, 1e-6);
+  EXPECT_NEAR(report["max_displacement"].get<double>(), 0.3, 1e-6);
+  EXPECT_GT(report["quality"]["area_ratio"].get<double>(), 1);
+}
+
+TEST_F(SculptStepTest, RefusesWhatMovesNothing) {
+  try {
+    run_edit(edit(R"("action": "smooth", "region": {"sphere": {"centre": [9, 9, 9], "radius": 1}})"));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.id(), facts::script::SelectionEmpty::id);
+    EXPECT_EQ(error.location().text(), "edit.json: steps[0].region");
+  }
+  EXPECT_THROW(run_edit(edit(R"("action": "smooth", "region": "all", "strength": 1)")), Error);
+}
+
+TEST_F(SculptStepTest, ReadsBackWhatItWrites) {
+  const std::string written =
+      write_edit(read_edit_file(test::source_path("tests/script/accepted/sculpt.json")));
+  EXPECT_EQ(write_edit(parse_edit(written, "edit.json")), written);
+}
+
+}  // namespace
+}  // namespace meshgraft
