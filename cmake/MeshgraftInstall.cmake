@@ -5,7 +5,11 @@ include(CMakePackageConfigHelpers)
 get_property(meshgraft_libraries GLOBAL PROPERTY meshgraft_published)
 install(TARGETS ${meshgraft_libraries} EXPORT meshgraft)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ ${PROJECT_BINARY_DIR}/include/
-        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+        DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h"
+        PATTERN distributed.h EXCLUDE)
+if(MESHGRAFT_WITH_PETSC)
+  install(FILES ${PROJECT_SOURCE_DIR}/include/meshgraft/distributed.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/meshgraft)
+endif()
 install(FILES LICENSE THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 # find_package(meshgraft). A static library hands its own libraries on to whoever links it; the modules that

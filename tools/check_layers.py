@@ -52,6 +52,7 @@ PURPOSE = {
     "baselines": "published methods",
     "merge": "correspondence, graft, seam",
     "script": "edit files, run as steps",
+    "distributed": "the same edit over MPI, on PETSc",
     "server": "HTTP and WebSockets (private)",
     "cli": "the program",
     "editor": "sessions of the browser's page (private)",
@@ -103,6 +104,8 @@ def layer_of(path):
     parts = path.parts
     if parts[:2] == ("include", "meshgraft"):
         parts = parts[1:]
+        if len(parts) == 2 and path.stem in USES:  # the only header of a layer
+            return path.stem
     if parts[0] in ("src", "meshgraft") and len(parts) > 2:
         return parts[1]
     return parts[0] if parts[0] in USES else None

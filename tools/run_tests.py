@@ -112,7 +112,14 @@ def build_commands(preset):
     build = ["cmake", "--build", "--preset", preset]
     if preset != "release":
         return [configure, build]
-    return [[str(ROOT / "tools/bootstrap.sh"), "test"], [*configure, "-DMESHGRAFT_BUILD_PYTHON=ON"], build]
+    cluster = ["-DMESHGRAFT_WITH_PETSC=ON"] if has_petsc() else []
+    return [[str(ROOT / "tools/bootstrap.sh"), "test"], [*configure, "-DMESHGRAFT_BUILD_PYTHON=ON", *cluster], build]
+
+
+def has_petsc():
+    """True if what meshgraft-mpi needs is installed. Otherwise its tests are skipped."""
+    programs = shutil.which("pkg-config") and shutil.which("mpirun")
+    return bool(programs) and subprocess.run(["pkg-config", "--exists", "PETSc"]).returncode == 0
 
 
 def test(preset):

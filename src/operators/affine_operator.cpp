@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "core/sparse_checks.h"
+#include "density_scale.h"
 #include "laplacian.h"
 #include "linalg/sparse.h"
 #include "local_maps.h"
@@ -40,12 +41,6 @@ Flags flag_rows(const ConstraintMask& mask, const IndexLists& rings, int laplaci
   Flags rows(mask.size(), 0);
   for (const Index v : grow_rings(unknown, laplacian_order, rings)) rows[v] = 1;
   return rows;
-}
-
-/// Returns ℓ̄/ℓ, bounded, because extreme ratios would drown all other rows in rounding errors.
-constexpr double largest_density_scale = 1e3;
-double density_scale(double length_ratio) {
-  return std::clamp(length_ratio, 1 / largest_density_scale, largest_density_scale);
 }
 
 }  // namespace

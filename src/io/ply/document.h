@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -43,8 +44,10 @@ struct PlyHeader {
 };
 
 /// Parses the header. Throws Error(input) naming the line. The header's counts are checked against the size
-/// of `content`, so they can be trusted for allocation. Charges what the lines become.
-PlyHeader parse_ply_header(std::string_view content, const std::string& name, MemoryBudget& budget);
+/// of `content`, so they can be trusted for allocation. Charges what the lines become. `file_bytes` is the size
+/// of the file if `content` is only its beginning.
+PlyHeader parse_ply_header(std::string_view content, const std::string& name, MemoryBudget& budget,
+                           std::optional<std::uint64_t> file_bytes = {});
 
 /// The destination of a property's values in a mesh: component `component` of an attribute. An empty name
 /// means the positions. A list property holds all components of a face's corners.

@@ -58,8 +58,9 @@ std::vector<std::string_view> split_words(std::string_view line) {
 /// end_header is already data.
 class HeaderParser {
  public:
-  HeaderParser(std::string_view content, const std::string& name, MemoryBudget& budget)
-      : content_(content), name_(name), budget_(budget) {
+  HeaderParser(std::string_view content, const std::string& name, MemoryBudget& budget,
+               std::uint64_t file_bytes)
+      : content_(content), name_(name), budget_(budget), file_bytes_(file_bytes) {
     if (content.starts_with(byte_order_mark)) offset_ = byte_order_mark.size();
     const std::size_t first_end = content.find_first_of("\r\n", offset_);
     if (first_end == std::string_view::npos) {
@@ -175,7 +176,7 @@ class HeaderParser {
 
   /// Checks that the smallest possible size of all records fits into the file.
   void check_counts() const {
-    const std::size_t body = content_.size() - header_.size;
+    const std::size_t body = file_bytes_ - header_.size;
     std::size_t left = body;
     for (const PlyElement& element : header_.elements) {
       std::size_t record = element.smallest_binary_size();
@@ -201,6 +202,7 @@ class HeaderParser {
   std::string_view content_;
   const std::string& name_;
   MemoryBudget& budget_;
+  std::uint64_t file_bytes_;
   char line_end_ = '\n';
   std::size_t offset_ = 0;
   std::size_t line_begin_ = 0;
@@ -231,11 +233,12 @@ std::size_t PlyElement::smallest_binary_size() const {
   return size;
 }
 
-PlyHeader parse_ply_header(std::string_view content, const std::string& name, MemoryBudget& budget) {
+PlyHeader parse_ply_header(std::string_view content, const std::string& name, MemoryBudget& budget,
+                           std::optional<std::uint64_t> file_bytes) {
   if (!has_ply_signature(content))
     throw Error(facts::io::NotThisFormat{.format = "PLY", .beginning = "ply"},
                 Location::file(name) / Location::place("line 1"));
-  return HeaderParser(content, name, budget).parse();
+  return HeaderParser(content, name, budget, file_bytes.value_or(content.size())).parse();
 }
 
 bool PlyTextCursor::at_end() {

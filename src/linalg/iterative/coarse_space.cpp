@@ -1,13 +1,12 @@
 #include "coarse_space.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
 #include <tbb/enumerable_thread_specific.h>
-#include <Eigen/Eigenvalues>
 
+#include "affine_bases.h"
 #include "core/parallel.h"
 #include "core/sparse_checks.h"
 
@@ -52,40 +51,15 @@ CoarseSpace::CoarseSpace(const NodeOrder& order, const Context& context) : order
     }
 }
 
-/// Chooses principal axes about the centroid, each scaled to unit length over the aggregate's rows.
 void CoarseSpace::choose_bases(const Aggregates& aggregates) {
-  constexpr double flat = 1e-10;  // axes with a smaller squared extent, relative to the largest, are flat
   const BlockRows& nodes = order_.nodes;
-  const std::size_t count = aggregates.count;
-  std::vector<double> rows(count, 0.0);
-  std::vector<Eigen::Vector3d> centre(count, Eigen::Vector3d::Zero());
-  std::vector<Eigen::Matrix3d> moments(count, Eigen::Matrix3d::Zero());
-  const auto for_each_row = [&](auto body) {
+  basis_ = affine_bases(aggregates.count, [&](const auto& body) {
     for (std::size_t row = 0; row < nodes.unknown.size(); ++row) {
       const Index a = aggregates.of_node[row / nodes.width];
       if (a >= 0 && nodes.unknown[row] >= 0)
         body(a, Eigen::Vector3d(nodes.positions.row(static_cast<Eigen::Index>(row)).transpose()));
     }
-  };
-  for_each_row([&](Index a, const Eigen::Vector3d& p) {
-    rows[a] += 1;
-    centre[a] += p;
   });
-  for (std::size_t a = 0; a < count; ++a) centre[a] /= rows[a];
-  for_each_row(
-      [&](Index a, const Eigen::Vector3d& p) { moments[a] += (p - centre[a]) * (p - centre[a]).transpose(); });
-  basis_.assign(count, Basis::Zero());
-  for (std::size_t a = 0; a < count; ++a) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(moments[a]);
-    const double largest = axes.eigenvalues()[2];
-    for (int k = 0; k < 3; ++k) {
-      const double extent = axes.eigenvalues()[k];
-      if (!(extent > flat * largest)) continue;
-      const Eigen::Vector3d axis = axes.eigenvectors().col(k) / std::sqrt(extent);
-      basis_[a].col(k) << axis, -axis.dot(centre[a]);
-    }
-    basis_[a](3, 3) = 1 / std::sqrt(rows[a]);
-  }
 }
 
 void CoarseSpace::add_shared_unknowns() {

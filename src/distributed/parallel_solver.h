@@ -1,0 +1,74 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <meshgraft/distributed.h>
+#include <meshgraft/linalg/linear_solver.h>
+
+#include "linalg/sparse.h"
+#include "local_mesh.h"
+
+namespace meshgraft::distributed {
+
+/// A rank's rows of a symmetric positive definite matrix N over unknowns of all ranks.
+struct MatrixRows {
+  std::vector<std::int64_t> offsets{0};  ///< per own unknown
+  std::vector<Number> columns;           ///< numbers of unknowns, ascending within a row
+  std::vector<double> values;
+};
+
+/// Returns a rank's rows of the sum of the ranks' contributions. Each contribution is the lower triangle of a
+/// symmetric matrix over the rank's local unknowns.
+MatrixRows sum_contributions(const Communicator& comm, const Halo& unknowns, const NormalMatrix& lower);
+
+/// The geometry of the unknowns of a matrix. Each belongs to a vertex.
+struct UnknownNodes {
+  const LocalMesh* mesh = nullptr;
+  std::vector<Index> vertex;  ///< per own unknown: its local vertex, ascending
+  /// Positions of the own unknowns. Vectors whose entries are an affine function of position have (nearly) no
+  /// energy.
+  Points positions;
+  Flags has_unknowns;  ///< per local vertex
+};
+
+struct ParallelSolverOptions {
+  Preconditioner preconditioner = Preconditioner::blended;
+  std::string prefix;  ///< of the options of PETSc that belong to this solver
+};
+
+/// Figures of a solver.
+struct ParallelStatistics {
+  Number unknowns = 0, coarse_unknowns = 0;
+  Number matrix_nonzeros = 0;  ///< of the whole symmetric matrix
+  double operator_complexity = 1;
+  int iterations = 0;  ///< of the latest solve
+};
+
+/// Solves N x = y for a few columns at once by conjugate gradients. All columns go through the matrix together,
+/// as one system of interleaved vectors (PETSc's MAIJ). The preconditioner is a multigrid cycle. Its first
+/// coarse grid has one affine function of position for each aggregate of vertices, blended between aggregates.
+/// Below that, PETSc's algebraic multigrid (GAMG) begins from the vectors {1, x, y, z}.
+class ParallelSolver {
+ public:
+  ParallelSolver(const Communicator& comm, const MatrixRows& rows, const UnknownNodes& nodes,
+                 const ParallelSolverOptions& options);
+  ParallelSolver(ParallelSolver&&) noexcept;
+  ~ParallelSolver();
+
+  /// Solves for own unknowns × k. `tolerance` is relative, in the energy norm as the preconditioner measures
+  /// it. `guess` may be null. Throws Error(unsolvable) with the id linalg.not_converged on all ranks.
+  Columns solve(const Columns& rhs, double tolerance, const Columns* guess) const;
+
+  ParallelStatistics statistics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace meshgraft::distributed

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/distributed.h>
+#include <meshgraft/script/run_edit.h>
+
+namespace meshgraft::distributed {
+
+/// What a distributed run of an edit file reads and writes, and how it solves.
+struct RunRequest {
+  std::filesystem::path edit, output, report;  ///< an empty report is not requested
+  SettingsOverrides overrides;
+  Preconditioner preconditioner = Preconditioner::blended;
+  double tolerance = DistributedOptions{}.tolerance;
+  bool force = false;  ///< the output may replace the input
+};
+
+/// Runs an edit file of one deform step on a binary PLY file, and writes the result as `meshgraft deform` does.
+/// All ranks call it together. The report is in the words of `wording`. Where one rank fails, all ranks throw
+/// the same error, and no output is left behind.
+void run_distributed(MPI_Comm comm, const RunRequest& request, const Wording& wording);
+
+}  // namespace meshgraft::distributed

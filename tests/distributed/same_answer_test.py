@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+"""Checks that meshgraft-mpi gives the answer of meshgraft, on any number of ranks.
+
+    same_answer_test.py MESHGRAFT MESHGRAFT_MPI MPIRUN [TEST…]
+"""
+
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from cluster_scene import PROGRAM, Mesh, largest_difference, read_ply, run, run_ranks, write_edit
+
+TIGHT = ("--tolerance", "1e-13")
+DISC = {"sphere": {"centre": [0.5, 0.5, 0], "radius": 0.12}}
+TURNED = {"translate": [0.05, 0.1, 0.3], "rotate": {"axis": [1, 0.5, 0.2], "angle_deg": 40}, "scale": 1.2}
+BORDER = {"rim": {"of": {"box": {"min": [-1, -1, -1], "max": [0.95, 2, 1]}}, "rings": 2}}
+
+
+class SameAnswer(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.mesh = self.folder / "mesh.ply"
+
+    def alone(self, edit):
+        """Returns the positions by the direct solver of one machine."""
+        output = self.folder / "alone.ply"
+        done = run(PROGRAM, "deform", edit, "-o", output)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return read_ply(output)
+
+    def together(self, edit, ranks, *arguments, **options):
+        output = self.folder / f"together_{ranks}.ply"
+        done = run_ranks(ranks, edit, "-o", output, *TIGHT, *arguments, **options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return read_ply(output)
+
+    def assert_same(self, edit, ranks, bound=1e-9, **options):
+        expected = self.alone(edit)
+        rest = read_ply(self.mesh)
+        self.assertGreater(largest_difference(rest[3], expected[3]), 0.01, "the edit moves something")
+        for count in ranks:
+            found = self.together(edit, count, **options)
+            self.assertLess(largest_difference(expected[3], found[3]), bound, f"{count} ranks")
+            self.assertEqual((found[0], found[2]), (rest[0], rest[2]), "all but the vertices stays")
+
+    def test_of_50000_vertices(self):
+        mesh = Mesh()
+        mesh.add_sheet(224, 224)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh, region={"box": {"min": [0.05, 0.05, -1], "max": [0.95, 0.95, 1]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        self.assert_same(edit, (1, 2, 4, 7))
+
+    def test_of_shuffled_components(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        small = mesh.add_sheet(6, 5, (2, 0, 0), seed=3)
+        mesh.add_sheet(20, 30, (0, 2, 0.5), seed=4)
+        corner = small[0]
+        number = mesh.shuffle()
+        mesh.write(self.mesh)
+        edit = write_edit(
+            self.folder / "edit.json", self.mesh,
+            fixed={"union": [{"box": {"min": [-1, -1, -1], "max": [3, 0.1, 1]}},
+                             {"box": {"min": [-1, 1.9, -1], "max": [3, 2.2, 1]}}]},
+            handles=[{"name": "first", "select": DISC, "pose": TURNED},
+                     {"name": "third", "select": {"box": {"min": [-1, 3, -1], "max": [3, 4, 1]}},
+                      "pose": {"matrix": [[1, 0.2, 0, 0.1], [0, 1, 0, 0], [0, 0, 1, 0.3], [0, 0, 0, 1]]}}],
+            targets=[{"vertex": number[corner + 28], "position": [2.6, 0.9, 0.2]}],
+            settings={"method": "ft05", "refine_boundary": 0})
+        self.assert_same(edit, (2, 7))
+
+    def test_as_published(self):
+        mesh = Mesh()
+        mesh.add_sheet(60, 60)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh,
+                          fixed={"grow": {"of": {"loop": 0}, "rings": 2}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}],
+                          settings={"preset": "as-published"})
+        self.assert_same(edit, (1, 3))
+
+    def test_with_anchors(self):
+        mesh = Mesh()
+        mesh.add_sheet(50, 50)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh,
+                          fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}],
+                          anchors=[{"select": {"half_space": {"point": [0.9, 0, 0], "normal": [1, 0, 0]}}, "weight": 2}])
+        self.assert_same(edit, (1, 4), bound=1e-8)
+
+    def test_over_sockets(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"grow_length": {"of": {"nearest": [0, 0, 0]}, "length": 0.3}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        self.assert_same(edit, (3,), mpi=("--mca", "btl", "tcp,self"))
+
+    def test_where_few_vertices_are_free(self):
+        mesh = Mesh()
+        mesh.add_sheet(30, 30)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh,
+                          region={"sphere": {"centre": [0.5, 0.5, 0], "radius": 0.2}}, fixed={"indices": []},
+                          handles=[{"name": "most", "select": {"sphere": {"centre": [0.5, 0.5, 0], "radius": 0.16}},
+                                    "pose": {"translate": [0, 0, 0.1]}}],
+                          settings={"method": "ft05", "refine_boundary": 0})
+        self.assert_same(edit, (5,))
+
+    def test_affine_maps_are_followed(self):
+        mesh = Mesh()
+        mesh.add_sheet(60, 60)
+        mesh.write(self.mesh)
+        matrix = [[1.3, 0.25, -0.1, 0.4], [-0.15, 0.8, 0.3, -0.2], [0.1, 0.05, 1.1, 0.3], [0, 0, 0, 1]]
+        ends = {"union": [{"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
+                          {"half_space": {"point": [0.9, 0, 0], "normal": [1, 0, 0]}}]}
+        edit = write_edit(self.folder / "edit.json", self.mesh,
+                          handles=[{"name": "ends", "select": ends, "pose": {"matrix": matrix}}])
+        mapped = [tuple(sum(row[k] * p[k] for k in range(3)) + row[3] for row in matrix[:3])
+                  for p in read_ply(self.mesh)[3]]
+        self.assertLess(largest_difference(mapped, self.together(edit, 4)[3]), 1e-9)
+
+    def test_bytes_that_do_not_change_stay(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        mesh.colours = [(v % 256, v // 256, 7) for v in range(len(mesh.vertices))]
+        mesh.write(self.mesh, "float")
+        edit = write_edit(self.folder / "edit.json", self.mesh, region={"box": {"min": [0.2, 0.2, -1], "max": [0.8, 0.8, 1]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        before, after = read_ply(self.mesh), self.together(edit, 3)
+        self.assertEqual((after[0], after[2]), (before[0], before[2]))
+        moved = 0
+        for old, new, (x, y, _) in zip(before[1], after[1], before[3], strict=True):
+            self.assertEqual(old[12:], new[12:], "colours stay")
+            if not (0.2 <= x <= 0.8 and 0.2 <= y <= 0.8):
+                self.assertEqual(old, new, "vertices outside the region stay")
+            moved += old != new
+        self.assertGreater(moved, 300)
+
+    def test_normals_turn(self):
+        mesh = Mesh()
+        mesh.add_sheet(30, 30)
+        mesh.normals = [(0.0, 0.0, 1.0)] * len(mesh.vertices)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        alone, together = self.alone(edit), self.together(edit, 3)
+        import struct
+        def normals(file):
+            return [struct.unpack_from("<3d", record, 24) for record in file[1]]
+        self.assertLess(largest_difference(normals(alone), normals(together)), 1e-7)
+        self.assertNotEqual(normals(together), mesh.normals)
+
+    def test_other_preconditioners(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        expected = self.alone(edit)[3]
+        for name in ("gamg", "hypre", "mumps"):
+            found = self.together(edit, 2, "--preconditioner", name)[3]
+            self.assertLess(largest_difference(expected, found), 1e-8, name)
+
+    def test_report(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh, region={"box": {"min": [0.1, 0.1, -1], "max": [0.9, 0.9, 1]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        mine, theirs = self.folder / "mine.json", self.folder / "theirs.json"
+        self.together(edit, 3, "--report", mine)
+        run(PROGRAM, "deform", edit, "-o", self.folder / "alone.ply", "--report", theirs)
+        mine, theirs = json.loads(mine.read_text()), json.loads(theirs.read_text())
+        self.assertEqual(mine["counts"], theirs["counts"])
+        self.assertEqual(set(theirs) - set(mine), set())
+        self.assertAlmostEqual(mine["max_displacement"], theirs["max_displacement"], places=9)
+        self.assertAlmostEqual(mine["max_transform_deviation"], theirs["max_transform_deviation"], places=6)
+        self.assertLess(mine["residual"], 1e-6)
+        self.assertEqual(mine["distributed"]["ranks"], 3)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[4:]])
