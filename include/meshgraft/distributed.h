@@ -62,8 +62,9 @@ class DistributedDeformer {
  public:
   /// Divides the mesh by PT-Scotch, assembles the rows of each part, and sets up the preconditioner. `comm`
   /// must outlive the object. Throws what the constructor of `Deformer` throws; further Error(input) for a
-  /// method that is not distributed (distributed.method_not_distributed), for faces that are oriented
-  /// inconsistently (distributed.inconsistent_orientation), and for a triangle of a vertex that does not exist.
+  /// component that is held by positions alone in a method with rotations
+  /// (distributed.component_without_transform), for faces that are oriented inconsistently
+  /// (distributed.inconsistent_orientation), and for a triangle of a vertex that does not exist.
   DistributedDeformer(MPI_Comm comm, const LocalProblem& problem, const DistributedOptions& options = {});
   DistributedDeformer(DistributedDeformer&&) noexcept;
   DistributedDeformer& operator=(DistributedDeformer&&) noexcept;

@@ -16,6 +16,7 @@
 #include "distributed/facts.h"
 #include "operators/local_maps.h"
 #include "part.h"
+#include "part_rotation.h"
 #include "part_system.h"
 #include "partition.h"
 #include "petsc_objects.h"
@@ -98,6 +99,7 @@ struct DistributedDeformer::Impl {
   std::optional<Redistribution> redistribution;
   Part part;
   std::optional<PartSystem> system;
+  std::optional<PartRotation> rotation;  ///< absent for `ft05`
   DistributedSummary summary;
 
   Impl(MPI_Comm mpi, const LocalProblem& problem, const DistributedOptions& chosen)
@@ -105,8 +107,6 @@ struct DistributedDeformer::Impl {
     comm.together([&] {
       validate(options.deformer);
       validate(options.deformer.operators);
-      if (options.deformer.method != DeformMethod::ft05)
-        throw Error(facts::distributed::MethodNotDistributed{.method = to_string(options.deformer.method)});
       mask = mask_of(problem, constrained);
       start_petsc();
     });
@@ -123,8 +123,10 @@ struct DistributedDeformer::Impl {
   void make_system(const LocalProblem& problem);
   void measure_parts();
   PartValues values_of(std::span<const VertexConstraint> constraints) const;
+  std::vector<GivenTransform> transforms_of(std::span<const VertexConstraint> constraints) const;
   Points place(const Columns& displacements, std::span<const VertexConstraint> constraints) const;
-  void measure(const Columns& y, const PartValues& values, EvaluationReport& report) const;
+  void measure(const Columns& y, const PartValues& values, const PartRotation::Result& found,
+               EvaluationReport& report) const;
   double transform_deviation(const Columns& y, const PartValues& values) const;
 };
 
@@ -226,6 +228,10 @@ void DistributedDeformer::Impl::make_system(const LocalProblem& problem) {
   summary.coarse_unknowns = figures.coarse_unknowns;
   summary.matrix_nonzeros = figures.matrix_nonzeros;
   summary.factorise_seconds = system->factorise_seconds();
+  if (options.deformer.method == DeformMethod::ft05) return;
+  const Stopwatch watch;
+  rotation.emplace(comm, part, *system, options);
+  summary.factorise_seconds += watch.seconds();
 }
 
 void DistributedDeformer::Impl::measure_parts() {
@@ -250,6 +256,29 @@ PartValues DistributedDeformer::Impl::values_of(std::span<const VertexConstraint
   for (Eigen::Index v = 0; v < arrived.rows(); ++v)
     for (int k = 0; k < 3; ++k) values.maps.row(3 * v + k) = arrived.row(v).segment<3>(3 + 3 * k);
   return values;
+}
+
+/// Brings the given transforms, with their rotations and all their turns, to the parts.
+std::vector<GivenTransform> DistributedDeformer::Impl::transforms_of(
+    std::span<const VertexConstraint> constraints) const {
+  Columns given = Columns::Zero(rest.rows(), 14);  // has a transform, it, has a rotation, its vector
+  for (const VertexConstraint& constraint : constraints) {
+    if (!constraint.transform) continue;
+    auto row = given.row(constraint.vertex);
+    row[0] = 1;
+    row.segment<9>(1) = constraint.transform->reshaped().transpose();
+    if (!constraint.rotation) continue;
+    row[10] = 1;
+    row.tail<3>() = (constraint.rotation->angle() * constraint.rotation->axis()).transpose();
+  }
+  const Columns arrived = redistribution->bring(given);
+  std::vector<GivenTransform> transforms;
+  for (Index v = 0; v < part.mesh.vertices.own(); ++v) {
+    if (arrived(v, 0) == 0) continue;
+    transforms.push_back({.vertex = v, .transform = arrived.row(v).segment<9>(1).transpose().reshaped(3, 3)});
+    if (arrived(v, 10) != 0) transforms.back().rotation = arrived.row(v).tail<3>().transpose();
+  }
+  return transforms;
 }
 
 /// Returns positions of the own vertices. `displacements` are those of the part's own vertices, patch units.
@@ -290,8 +319,11 @@ double DistributedDeformer::Impl::transform_deviation(const Columns& y, const Pa
 }
 
 void DistributedDeformer::Impl::measure(const Columns& y, const PartValues& values,
-                                        EvaluationReport& report) const {
-  report.residual = system->residual(y, values, {});
+                                        const PartRotation::Result& found, EvaluationReport& report) const {
+  report.residual = system->residual(y, values, found.field);
+  report.iterations = found.iterations;
+  report.last_rotation_change = found.change;
+  report.fell_back_to_linear = found.linear;
   report.solver_iterations = system->solver()->statistics().iterations;
   report.max_transform_deviation = transform_deviation(y, values);
   const Columns maps = system->maps(y, values);
@@ -318,8 +350,11 @@ Points DistributedDeformer::evaluate(std::span<const VertexConstraint> constrain
   if (!d.system || d.system->solver() == nullptr)
     return d.place(Columns::Zero(d.part.mesh.vertices.own(), 3), constraints);
   const PartValues values = d.values_of(constraints);
-  const Columns y = d.system->solve(values, {}, d.options.deformer.residual_corrections, nullptr);
-  if (report != nullptr) d.measure(y, values, *report);
+  PartRotation::Result found;
+  if (d.rotation) found = d.rotation->find(d.transforms_of(constraints), values);
+  const Columns y = d.system->solve(values, found.field, d.options.deformer.residual_corrections,
+                                    found.guess.rows() > 0 ? &found.guess : nullptr);
+  if (report != nullptr) d.measure(y, values, found, *report);
   return d.place(d.system->displacements(y, values), constraints);
 }
 

@@ -4,7 +4,8 @@ namespace meshgraft::distributed {
 
 namespace {
 
-/// Brings the numbers of a label to one rank, combines them there, and returns the result to all that have some.
+/// Brings the numbers of a label to one rank, combines them there, and returns the result to all that have
+/// some.
 template <class Combine>
 LabelValues combine_by_label(const Communicator& comm, const LabelValues& own, const Combine& combine) {
   const auto rank_of = [&](Number label) { return static_cast<std::size_t>(label % comm.size()); };
@@ -23,8 +24,8 @@ LabelValues combine_by_label(const Communicator& comm, const LabelValues& own, c
   const auto for_each_part = [&](const auto& body) {
     for (std::size_t rank = 0; rank < labels_from.size(); ++rank)
       for (std::size_t k = 0; k < labels_from[rank].size(); ++k)
-        body(labels_from[rank][k],
-             Eigen::Map<Eigen::VectorXd>(numbers_from[rank].data() + k * static_cast<std::size_t>(width), width));
+        body(labels_from[rank][k], Eigen::Map<Eigen::VectorXd>(
+                                       numbers_from[rank].data() + k * static_cast<std::size_t>(width), width));
   };
   for_each_part([&](Number label, const Eigen::Map<Eigen::VectorXd>& values) {
     const auto [entry, is_new] = combined.try_emplace(label, values);
@@ -47,7 +48,8 @@ LabelValues sum_by_label(const Communicator& comm, const LabelValues& own) {
 }
 
 LabelValues largest_by_label(const Communicator& comm, const LabelValues& own) {
-  return combine_by_label(comm, own, [](const auto& a, const auto& b) { return Eigen::VectorXd(a.cwiseMax(b)); });
+  return combine_by_label(comm, own,
+                          [](const auto& a, const auto& b) { return Eigen::VectorXd(a.cwiseMax(b)); });
 }
 
 }  // namespace meshgraft::distributed

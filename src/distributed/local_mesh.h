@@ -106,8 +106,8 @@ struct LocalMesh {
 };
 
 /// Makes a local mesh. Any rank may have any triangle, but each triangle is at one rank. The result has all
-/// triangles around the vertices that are within `layers` edges of an own vertex. A rank without own vertices gets
-/// those around vertex 0, so that no rank with work to do has an empty mesh.
+/// triangles around the vertices that are within `layers` edges of an own vertex. A rank without own vertices
+/// gets those around vertex 0, so that no rank with work to do has an empty mesh.
 LocalMesh make_local_mesh(const Communicator& comm, const std::vector<Number>& starts,
                           const std::vector<NumberedTriangle>& triangles, int layers);
 

@@ -178,12 +178,21 @@ void ParallelSolver::Impl::set_up_blended(const UnknownNodes& nodes) {
   set_up_inner(coarse, PCGAMG, "coarse_");
 }
 
-/// Makes a solver that applies a preconditioner once, unless PETSc's options ask for more.
+/// Makes the solver of the coarse grid, a few iterations of conjugate gradients. For other preconditioners of N
+/// makes one that applies them once. PETSc's options may ask for something else.
 void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::string& prefix) {
   require(KSPCreate(comm.get(), inner.out()));
   require(KSPSetOptionsPrefix(inner, (options.prefix + prefix).c_str()));
   require(KSPSetOperators(inner, of, of));
-  require(KSPSetType(inner, KSPPREONLY));
+  if (of == coarse) {
+    constexpr double tolerance = 0.05;
+    constexpr int most_iterations = 8;
+    require(KSPSetType(inner, KSPCG));
+    require(KSPSetNormType(inner, KSP_NORM_NATURAL));
+    require(KSPSetTolerances(inner, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations));
+  } else {
+    require(KSPSetType(inner, KSPPREONLY));
+  }
   PC preconditioner = nullptr;
   require(KSPGetPC(inner, &preconditioner));
   require(PCSetType(preconditioner, type));
@@ -239,8 +248,14 @@ WidthSolver& ParallelSolver::Impl::solver_of(int width) {
   require(KSPCreate(comm.get(), solver.cg.out()));
   require(KSPSetOptionsPrefix(solver.cg, options.prefix.c_str()));
   require(KSPSetOperators(solver.cg, solver.matrix, solver.matrix));
-  require(KSPSetType(solver.cg, KSPCG));
-  require(KSPSetNormType(solver.cg, KSP_NORM_NATURAL));
+  const bool is_flexible = options.preconditioner == Preconditioner::blended;  // the coarse solve is inexact
+  require(KSPSetType(solver.cg, options.direct ? KSPPREONLY : is_flexible ? KSPFCG : KSPCG));
+  if (is_flexible) {
+    constexpr PetscInt kept_directions = 4;
+    require(KSPFCGSetMmax(solver.cg, kept_directions));
+    require(KSPFCGSetNprealloc(solver.cg, kept_directions));
+  }
+  require(KSPSetNormType(solver.cg, options.direct ? KSP_NORM_NONE : KSP_NORM_NATURAL));
   solver.by_column.solver = inner;
   solver.by_column.width = width;
   Mat of = nullptr;
@@ -286,6 +301,12 @@ ParallelSolver::~ParallelSolver() = default;
 Columns ParallelSolver::solve(const Columns& rhs, double tolerance, const Columns* guess) const {
   constexpr int most_iterations = 1000;
   const auto width = static_cast<int>(rhs.cols());
+  if (width == 1) {  // the interleaved matrix of one column is N itself, whose vectors PETSc 3.18 frees twice
+    Columns two = Columns::Zero(rhs.rows(), 2), two_guesses = two;
+    two.col(0) = rhs.col(0);
+    if (guess != nullptr) two_guesses.col(0) = guess->col(0);
+    return solve(two, tolerance, guess != nullptr ? &two_guesses : nullptr).leftCols(1);
+  }
   WidthSolver& solver = impl_->solver_of(width);
   const auto write = [](const Columns& from, Vec to) {
     PetscScalar* values = nullptr;

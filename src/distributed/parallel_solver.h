@@ -39,6 +39,8 @@ struct UnknownNodes {
 struct ParallelSolverOptions {
   Preconditioner preconditioner = Preconditioner::blended;
   std::string prefix;  ///< of the options of PETSc that belong to this solver
+  /// Applies the preconditioner once, which is a factor. For matrices too uneven for conjugate gradients.
+  bool direct = false;
 };
 
 /// Figures of a solver.
@@ -52,7 +54,8 @@ struct ParallelStatistics {
 /// Solves N x = y for a few columns at once by conjugate gradients. All columns go through the matrix together,
 /// as one system of interleaved vectors (PETSc's MAIJ). The preconditioner is a multigrid cycle. Its first
 /// coarse grid has one affine function of position for each aggregate of vertices, blended between aggregates.
-/// Below that, PETSc's algebraic multigrid (GAMG) begins from the vectors {1, x, y, z}.
+/// That grid is solved roughly, by a few iterations with PETSc's algebraic multigrid (GAMG), which begins
+/// from the vectors {1, x, y, z}; so the conjugate gradients are flexible ones (Notay 2000).
 class ParallelSolver {
  public:
   ParallelSolver(const Communicator& comm, const MatrixRows& rows, const UnknownNodes& nodes,

@@ -17,7 +17,8 @@ namespace {
 constexpr double spreading_length_rel = 0.02, smoothing_bending_length_rel = 0.04;
 
 SparseRows diagonal(const std::vector<double>& values) {
-  SparseRows matrix = rows_of_lengths(std::vector<int>(values.size(), 1), static_cast<Eigen::Index>(values.size()));
+  SparseRows matrix =
+      rows_of_lengths(std::vector<int>(values.size(), 1), static_cast<Eigen::Index>(values.size()));
   std::iota(matrix.innerIndexPtr(), matrix.innerIndexPtr() + values.size(), 0);
   std::copy(values.begin(), values.end(), matrix.valuePtr());
   return matrix;
@@ -87,7 +88,11 @@ Columns VertexSystem::solve(const Columns& rhs, double tolerance) const {
 
 PartFields::PartFields(const Communicator& comm, const Part& part, const Flags& given, double tolerance,
                        std::optional<double> smoothing_length_rel)
-    : comm_(comm), part_(part), given_(given), tolerance_(tolerance), areas_(vertex_areas(part.points, part.mesh.triangles)) {
+    : comm_(comm),
+      part_(part),
+      given_(given),
+      tolerance_(tolerance),
+      areas_(vertex_areas(part.points, part.mesh.triangles)) {
   const Index count = part.mesh.vertices.size(), own = part.mesh.vertices.own();
   Flags in_faces(count);
   for (Index v = 0; v < count; ++v) in_faces[v] = !part.mesh.rings[v].empty();
@@ -109,14 +114,17 @@ PartFields::PartFields(const Communicator& comm, const Part& part, const Flags& 
 
   comm.together([&] {
     std::vector<double> inverse(areas_.size());
-    std::transform(areas_.begin(), areas_.end(), inverse.begin(), [](double area) { return area > 0 ? 1 / area : 0; });
+    std::transform(areas_.begin(), areas_.end(), inverse.begin(),
+                   [](double area) { return area > 0 ? 1 / area : 0; });
     const SparseRows K = dirichlet_matrix(part.points, part.mesh.triangles, part.mesh.rings, {.threads = 1});
     tension_ = K.topRows(own);
-    bending_ = meshgraft::multiply(meshgraft::multiply(tension_, diagonal(inverse), {.threads = 1}), K, {.threads = 1});
+    bending_ = meshgraft::multiply(meshgraft::multiply(tension_, diagonal(inverse), {.threads = 1}), K,
+                                   {.threads = 1});
   });
   Flags unknown(count);
   for (Index v = 0; v < count; ++v) unknown[v] = in_faces[v] && !given[v] && is_constrained(component_[v]);
-  spreading_.emplace(comm, part, energy_rows(spreading_length_rel), unknown, ParallelSolverOptions{.prefix = "field_"});
+  spreading_.emplace(comm, part, energy_rows(spreading_length_rel), unknown,
+                     ParallelSolverOptions{.prefix = "field_"});
   if (smoothing_length_rel) set_up_smoothing(*smoothing_length_rel);
 }
 
@@ -152,8 +160,9 @@ LabelValues PartFields::widths(double bending_length_rel) const {
   LabelValues widths = sum_by_label(comm_, sags);
   for (auto& [label, width] : widths) {
     const double area = free_area(label);
-    width[0] = is_constrained(label) && area > 0 ? strip_width(std::max(width[0] / area, 0.0), bending_length_rel * std::sqrt(area))
-                                                 : std::sqrt(area);
+    width[0] = is_constrained(label) && area > 0
+                   ? strip_width(std::max(width[0] / area, 0.0), bending_length_rel * std::sqrt(area))
+                   : std::sqrt(area);
   }
   return widths;
 }
@@ -174,14 +183,16 @@ void PartFields::set_up_smoothing(double length_rel) {
   smoothing_.emplace(comm_, part_, std::move(rows), unknown, ParallelSolverOptions{.prefix = "field_"});
 }
 
-/// Solves for differences from the mean of each component's given values, twice, as `SurfaceFields::spread` does.
+/// Solves for differences from the mean of each component's given values, twice, as `SurfaceFields::spread`
+/// does.
 Columns PartFields::spread(const Columns& values) const {
   if (spreading_->empty()) return values;
   const Index count = part_.mesh.vertices.size(), own = part_.mesh.vertices.own();
   LabelValues means;
   for (Index v = 0; v < count; ++v) {
     if (component_[v] < 0) continue;
-    Eigen::VectorXd& mean = means.try_emplace(component_[v], Eigen::VectorXd::Zero(values.cols())).first->second;
+    Eigen::VectorXd& mean =
+        means.try_emplace(component_[v], Eigen::VectorXd::Zero(values.cols())).first->second;
     if (v < own && given_[v]) mean += areas_[v] * values.row(v).transpose();
   }
   means = sum_by_label(comm_, means);
@@ -189,7 +200,8 @@ Columns PartFields::spread(const Columns& values) const {
     if (is_constrained(label)) mean /= sums_.at(label)[1];
   Columns differences = Columns::Zero(count, values.cols());
   for (Index v = 0; v < count; ++v)
-    if (component_[v] >= 0 && given_[v]) differences.row(v) = values.row(v) - means.at(component_[v]).transpose();
+    if (component_[v] >= 0 && given_[v])
+      differences.row(v) = values.row(v) - means.at(component_[v]).transpose();
   for (int pass = 0; pass < 2; ++pass)
     differences += spreading_->solve(-spreading_->multiply(differences), std::sqrt(tolerance_));
   Columns fields = values;

@@ -36,11 +36,12 @@ class VertexSystem {
   std::optional<ParallelSolver> solver_;
 };
 
-/// Scalar fields on a surface that is divided among the ranks, as `SurfaceFields` has them. All functions take and
-/// return values of the local vertices.
+/// Scalar fields on a surface that is divided among the ranks, as `SurfaceFields` has them. All functions take
+/// and return values of the local vertices.
 class PartFields {
  public:
-  /// `given` flags the local vertices with given values. Without a smoothing length, `smooth` must not be called.
+  /// `given` flags the local vertices with given values. Without a smoothing length, `smooth` must not be
+  /// called.
   PartFields(const Communicator& comm, const Part& part, const Flags& given, double tolerance,
              std::optional<double> smoothing_length_rel);
 
@@ -64,7 +65,7 @@ class PartFields {
   double tolerance_;
   std::vector<double> areas_;
   std::vector<Number> component_;
-  LabelValues sums_;  ///< area without given values, area with given values, number of given values
+  LabelValues sums_;              ///< area without given values, area with given values, number of given values
   SparseRows tension_, bending_;  ///< own rows of K and K M⁻¹ K
   std::optional<VertexSystem> spreading_, smoothing_;
 };

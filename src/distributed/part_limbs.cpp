@@ -20,7 +20,8 @@ struct PartLimbs::Faces {
   Faces(const Communicator& comm, const Part& part, const PartFields& fields, const Columns& weights);
 };
 
-PartLimbs::Faces::Faces(const Communicator& comm, const Part& part, const PartFields& fields, const Columns& weights)
+PartLimbs::Faces::Faces(const Communicator& comm, const Part& part, const PartFields& fields,
+                        const Columns& weights)
     : hats(static_cast<std::size_t>(part.mesh.triangles.rows())),
       areas(hats.size()),
       along(hats.size(), Eigen::Vector3d::Zero()),
@@ -89,9 +90,9 @@ void PartLimbs::find_axes(const PartFields& fields, const Flags& given, const Fa
     const double area = fields.areas()[v];
     matrix_entry(matrix, v, v) += area;
     for (const Index t : part_.mesh.faces_at[v]) {
-      const Eigen::Vector3d stiffness = stiffness_across(
-          faces.hats[t] * faces.across[t], corner_of(triangles, t, v),
-          fields.free_area(fields.component()[v]) * faces.areas[t]);
+      const Eigen::Vector3d stiffness =
+          stiffness_across(faces.hats[t] * faces.across[t], corner_of(triangles, t, v),
+                           fields.free_area(fields.component()[v]), faces.areas[t]);
       for (int j = 0; j < 3; ++j) matrix_entry(matrix, v, triangles(t, j)) += stiffness[j];
       tensors.row(v) += faces.areas[t] / (3 * area) * to_tensor(faces.along[t] * faces.along[t].transpose());
     }
@@ -100,8 +101,9 @@ void PartLimbs::find_axes(const PartFields& fields, const Flags& given, const Fa
   }
   part_.mesh.vertices.update(directions_);
   // The system is far too uneven for conjugate gradients without a factor.
-  means_.emplace(comm_, part_, SparseRows(matrix.topRows(own)), unknown,
-                 ParallelSolverOptions{.preconditioner = Preconditioner::mumps, .prefix = "limb_", .direct = true});
+  means_.emplace(
+      comm_, part_, SparseRows(matrix.topRows(own)), unknown,
+      ParallelSolverOptions{.preconditioner = Preconditioner::mumps, .prefix = "limb_", .direct = true});
   Columns loads(own, 9);
   for (Index v = 0; v < own; ++v)
     loads.row(v) << fields.areas()[v] * points.row(v), fields.areas()[v] * tensors.row(v);

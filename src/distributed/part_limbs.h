@@ -8,8 +8,8 @@
 
 namespace meshgraft::distributed {
 
-/// The limbs of a surface that is divided among the ranks, as `LimbTwist` finds them. Values are those of the local
-/// vertices.
+/// The limbs of a surface that is divided among the ranks, as `LimbTwist` finds them. Values are those of the
+/// local vertices.
 class PartLimbs {
  public:
   PartLimbs(const Communicator& comm, const Part& part, const PartFields& fields, const Flags& given,

@@ -40,7 +40,8 @@ PartRotation::PartRotation(const Communicator& comm, const Part& part, const Par
   });
 }
 
-PartRotation::Result PartRotation::find(const std::vector<GivenTransform>& given, const PartValues& values) const {
+PartRotation::Result PartRotation::find(const std::vector<GivenTransform>& given,
+                                        const PartValues& values) const {
   Result result;
   Blend blended;
   if (!blend(given, blended)) {
@@ -53,8 +54,8 @@ PartRotation::Result PartRotation::find(const std::vector<GivenTransform>& given
   return result;
 }
 
-/// Blends the logarithms of the known transforms over the surface. Returns false on all ranks if a transform has no
-/// logarithm.
+/// Blends the logarithms of the known transforms over the surface. Returns false on all ranks if a transform
+/// has no logarithm.
 bool PartRotation::blend(const std::vector<GivenTransform>& given, Blend& blended) const {
   const Index count = part_.mesh.vertices.size(), own = part_.mesh.vertices.own();
   std::vector<PolarParts> parts(given.size());
@@ -73,8 +74,8 @@ bool PartRotation::blend(const std::vector<GivenTransform>& given, Blend& blende
   for (Index v = 0; v < own; ++v)
     from_rest = from_rest || (part_.mask.transform[v] && !constrained[v] && !part_.mesh.rings[v].empty());
   sum = comm_.sum(sum);
-  const Eigen::Matrix3d reference =
-      comm_.any(from_rest) ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : nearest_rotation(sum.reshaped(3, 3));
+  const Eigen::Matrix3d reference = comm_.any(from_rest) ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
+                                                         : nearest_rotation(sum.reshaped(3, 3));
 
   Columns logs = Columns::Zero(count, 9);
   for (std::size_t g = 0; g < given.size(); ++g) {
@@ -145,7 +146,8 @@ void PartRotation::local_steps(const PartValues& values, const Blend& blended, R
       const double length = comm_.sum(previous.topRows(own).squaredNorm());
       const double along = comm_.sum(previous.topRows(own).cwiseProduct(step.topRows(own)).sum());
       const double root = std::sqrt(length);
-      pace = damped_pace(pace, Columns::Constant(1, 1, root > 0 ? along / root : 0), Columns::Constant(1, 1, root));
+      pace = damped_pace(pace, Columns::Constant(1, 1, root > 0 ? along / root : 0),
+                         Columns::Constant(1, 1, root));
     }
     previous = step;
     deviation += pace * step;
@@ -156,9 +158,10 @@ void PartRotation::local_steps(const PartValues& values, const Blend& blended, R
   }
 }
 
-/// Returns rotation vectors of the local vertices that take the blended rotations to those of the maps. `maps` are
-/// those of the own vertices.
-Columns PartRotation::surface_deviation(const Columns& maps, const Blend& blended, const Columns& current) const {
+/// Returns rotation vectors of the local vertices that take the blended rotations to those of the maps. `maps`
+/// are those of the own vertices.
+Columns PartRotation::surface_deviation(const Columns& maps, const Blend& blended,
+                                        const Columns& current) const {
   const std::vector<Index>& apex = system_.rows().nodes().apex;
   Columns deviation = Columns::Zero(current.rows(), 3);
   for (Index v = 0; v < part_.mesh.vertices.own(); ++v) {
@@ -167,7 +170,8 @@ Columns PartRotation::surface_deviation(const Columns& maps, const Blend& blende
     const Eigen::Vector3d normal =
         apex[v] < 0 ? Eigen::Vector3d(normals_.row(v).transpose()) : Eigen::Vector3d::Zero();
     deviation.row(v) =
-        surface_turn(map, {blended.rotation[v], blended.stretch[v]}, normal, current.row(v).transpose()).transpose();
+        surface_turn(map, {blended.rotation[v], blended.stretch[v]}, normal, current.row(v).transpose())
+            .transpose();
   }
   part_.mesh.vertices.update(deviation);
   return deviation;

@@ -22,7 +22,8 @@ struct GivenTransform {
 class PartRotation {
  public:
   /// The arguments must outlive the object.
-  PartRotation(const Communicator& comm, const Part& part, const PartSystem& system, const DistributedOptions& options);
+  PartRotation(const Communicator& comm, const Part& part, const PartSystem& system,
+               const DistributedOptions& options);
 
   struct Result {
     PartField field;

@@ -310,7 +310,7 @@ PartSystem::Rows PartSystem::right_hand_side(const PartValues& values, const Par
     const Eigen::RowVector3d target = (anchors_[a].target->transpose() - part_.centre) / part_.scale;
     row += anchor_weights_[a] * (target - part_.points.row(v));
   }
-  const Columns wanted = field.maps.rows() == 0 ? Columns(-m) : Columns(field.maps - m);
+  const Columns wanted = field.maps.rows() == 0 || !field.smooth ? Columns(-m) : Columns(field.maps - m);
   rows.smoothness = multiply(P_, wanted, one_thread);
   return rows;
 }

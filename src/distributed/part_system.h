@@ -20,6 +20,7 @@ namespace meshgraft::distributed {
 /// (F_v − I)ᵀ. A field without rows stands for I everywhere.
 struct PartField {
   Columns maps;
+  bool smooth = true;  ///< maps count for E_R, and not for edges with stiffness alone
 };
 
 /// The given values at all local vertices of a part.

@@ -25,8 +25,10 @@ constexpr std::uint64_t block_bytes = std::uint64_t{16} << 20;
 /// An open file of all ranks of a communicator.
 class SharedFile {
  public:
-  SharedFile(const Communicator& comm, std::filesystem::path path, int mode) : path_(std::move(path)) {
-    const int status = MPI_File_open(comm.get(), path_.c_str(), mode, MPI_INFO_NULL, &file_);
+  /// Opens `path`. Errors are about `named`.
+  SharedFile(const Communicator& comm, const std::filesystem::path& path, int mode, std::filesystem::path named)
+      : path_(std::move(named)) {
+    const int status = MPI_File_open(comm.get(), path.c_str(), mode, MPI_INFO_NULL, &file_);
     comm.together([&] { require(status, facts::io::Action::open); });
   }
   SharedFile(const SharedFile&) = delete;
@@ -195,7 +197,7 @@ void PlyFile::read_header(const std::string& beginning, std::uint64_t file_bytes
 /// Reads records `first` to `end` in blocks, and calls body(bytes, first record, number of records, byte).
 template <class Body>
 void PlyFile::for_each_block(const RecordRange& range, Number first, Number end, const Body& body) const {
-  const SharedFile file(comm_, path_, MPI_MODE_RDONLY);
+  const SharedFile file(comm_, path_, MPI_MODE_RDONLY, path_);
   comm_.together([&] {
     const auto at_once = static_cast<Number>(std::max<std::uint64_t>(1, block_bytes / range.size));
     std::vector<char> bytes;
@@ -254,7 +256,7 @@ void PlyFile::write(const std::filesystem::path& output, const Changes& changes)
   });
   pending = comm_.broadcast(pending.string());
   try {
-    SharedFile to(comm_, pending, MPI_MODE_CREATE | MPI_MODE_WRONLY);
+    SharedFile to(comm_, pending, MPI_MODE_CREATE | MPI_MODE_WRONLY, output);
     const Number first = vertex_starts_[comm_.rank()], end = vertex_starts_[comm_.rank() + 1];
     for_each_block(vertices_, first, end, [&](char* bytes, Number record, Number count, std::uint64_t at) {
       const auto patch = [&](const VertexProperties& properties, const Points& before, const Points& after) {

@@ -5,6 +5,7 @@
 """
 
 import json
+import struct
 import sys
 import tempfile
 import unittest
@@ -84,6 +85,27 @@ class SameAnswer(unittest.TestCase):
                           settings={"preset": "as-published"})
         self.assert_same(edit, (1, 3))
 
+    def test_with_rotations(self):
+        made = run(PROGRAM, "sample", "bar", "--resolution", 40, "-o", self.mesh)  # a limb, which twists
+        self.assertEqual(made.returncode, 0, made.stderr)
+        step = {"fixed": {"half_space": {"point": [0, 0, 0.4], "normal": [0, 0, -1]}},
+                "handles": [{"name": "top", "select": {"half_space": {"point": [0, 0, 3.6], "normal": [0, 0, 1]}},
+                             "pose": {"rotate": {"axis": [0.1, 0, 1], "angle_deg": 400}, "pivot": [0, 0, 4]}}]}
+        for settings in ({"method": "rotation-aware"}, {"method": "corotational", "iterations": 5}):
+            edit = write_edit(self.folder / "edit.json", self.mesh, **step, settings=settings)
+            self.assert_same(edit, (1, 2, 4), bound=1e-7)
+
+    def test_rotations_of_a_sheet(self):
+        mesh = Mesh()
+        mesh.add_sheet(60, 60)
+        mesh.add_sheet(8, 8, (3, 0, 0), seed=5)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh,
+                          region={"sphere": {"centre": [0.5, 0.5, 0], "radius": 0.45}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}],
+                          settings={"iterations": 4})
+        self.assert_same(edit, (3,), bound=1e-7)
+
     def test_with_anchors(self):
         mesh = Mesh()
         mesh.add_sheet(50, 50)
@@ -151,7 +173,7 @@ class SameAnswer(unittest.TestCase):
         edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
                           handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
         alone, together = self.alone(edit), self.together(edit, 3)
-        import struct
+
         def normals(file):
             return [struct.unpack_from("<3d", record, 24) for record in file[1]]
         self.assertLess(largest_difference(normals(alone), normals(together)), 1e-7)

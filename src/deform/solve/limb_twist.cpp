@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "core/parallel.h"
+#include "limb_faces.h"
 #include "rotations.h"
 #include "vertex_solver.h"
 
@@ -18,55 +19,12 @@ namespace meshgraft {
 
 namespace {
 
-using Tensor = Eigen::Matrix<double, 1, 6>;
-
-/// Slopes whose square is below this, × the steepest one's, have no certain direction.
-constexpr double flattest = 1e-6;
-/// Means along level lines reach over √(this) × √(free area), so that they go all around.
-constexpr double reach_of_means = 1e4;
-
 /// The strain fades where a twist would shear the surface by more: lines along the limb would grow by √5.
 constexpr double most_shear = 2;
-
-/// Returns 0 on a sheet and 1 on a limb, and a smooth ramp in between. `elongation` is 1 where t points the
-/// same way all along a level line, as on a pipe, and 0 where it points in all directions of a plane.
-double share_of_limb(double elongation) {
-  const double x = std::clamp((elongation - 0.2) / 0.4, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
-Tensor to_tensor(const Eigen::Matrix3d& m) { return {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(2, 0), m(0, 1)}; }
-
-Eigen::Matrix3d to_matrix(const Tensor& c) {
-  Eigen::Matrix3d m;
-  m << c[0], c[5], c[4], c[5], c[1], c[3], c[4], c[3], c[2];
-  return m;
-}
-
-/// Returns the gradients of the hat functions of a triangle's corners in rows, or zero for a triangle that is
-/// too thin to have any.
-Eigen::Matrix3d hat_gradients(const Points& points, const Triangles& triangles, Eigen::Index t, double& area) {
-  constexpr double thinnest = 1e-6;  // height, × the longest side
-  Eigen::Vector3d side[3];
-  double longest = 0;
-  for (int k = 0; k < 3; ++k) {
-    side[k] = (points.row(triangles(t, (k + 2) % 3)) - points.row(triangles(t, (k + 1) % 3))).transpose();
-    longest = std::max(longest, side[k].squaredNorm());
-  }
-  const Eigen::Vector3d normal = side[0].cross(side[1]);
-  const double twice = normal.norm();
-  Eigen::Matrix3d gradients = Eigen::Matrix3d::Zero();
-  area = 0;
-  if (!(twice > thinnest * longest)) return gradients;
-  area = twice / 2;
-  for (int k = 0; k < 3; ++k) gradients.row(k) = normal.cross(side[k]).transpose() / (twice * twice);
-  return gradients;
-}
 
 /// Returns one column of ones and zeros for each connected group of flagged vertices. Beyond a fixed number of
 /// columns, groups share them with either sign, so that neighbours still differ.
 Columns group_indicators(const IndexLists& rings, std::span<const std::uint8_t> given) {
-  constexpr Index most_columns = 16;
   std::vector<Index> group(rings.size(), -1), queue;
   Index count = 0;
   for (Index start = 0; start < rings.size(); ++start) {
@@ -84,20 +42,7 @@ Columns group_indicators(const IndexLists& rings, std::span<const std::uint8_t> 
     }
     ++count;
   }
-  Columns indicators = Columns::Zero(rings.size(), std::min(count, most_columns));
-  for (Index v = 0; v < rings.size(); ++v) {
-    if (group[v] < 0) continue;
-    for (Index column = 0; column < indicators.cols(); ++column) {
-      if (count <= most_columns) {
-        indicators(v, column) = group[v] == column ? 1 : 0;
-      } else {
-        std::uint64_t bits = (static_cast<std::uint64_t>(group[v]) << 8U) + static_cast<std::uint64_t>(column);
-        bits = (bits ^ (bits >> 31U)) * 0x9E3779B97F4A7C15U;  // Fibonacci hashing
-        indicators(v, column) = (bits >> 63U) == 0 ? 1 : -1;
-      }
-    }
-  }
-  return indicators;
+  return indicators_of_groups(group, count);
 }
 
 template <class Body>
@@ -108,27 +53,6 @@ void for_each(Eigen::Index count, const Context& context, const Body& body) {
         for (std::size_t k = begin; k < end; ++k) body(k);
       },
       context);
-}
-
-/// Returns a matrix of zeros with an entry for each vertex and for each edge, in both directions.
-SparseRows ring_matrix(const IndexLists& rings) {
-  std::vector<int> lengths;
-  for (Index v = 0; v < rings.size(); ++v) lengths.push_back(1 + static_cast<int>(rings[v].size()));
-  SparseRows matrix = rows_of_lengths(lengths, rings.size());
-  for (Index v = 0; v < rings.size(); ++v) {
-    int* const columns = matrix.innerIndexPtr() + matrix.outerIndexPtr()[v];
-    std::copy(rings[v].begin(), rings[v].end(), columns);
-    columns[rings[v].size()] = v;
-    std::sort(columns, columns + lengths[v]);
-  }
-  std::fill_n(matrix.valuePtr(), matrix.nonZeros(), 0.0);
-  return matrix;
-}
-
-double& entry(SparseRows& matrix, Index row, Index column) {
-  const int* const begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[row];
-  const int* const end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[row + 1];
-  return matrix.valuePtr()[std::lower_bound(begin, end, column) - matrix.innerIndexPtr()];
 }
 
 }  // namespace
@@ -144,7 +68,6 @@ struct LimbTwist::Faces {
 
   Faces(const FieldSurface& surface, const SurfaceFields& fields, const Columns& weights,
         const Context& context);
-  int corner(Index t, Index v) const { return triangles(t, 0) == v ? 0 : triangles(t, 1) == v ? 1 : 2; }
 };
 
 /// Finds t: the direction in which the weights change most.
@@ -159,10 +82,7 @@ LimbTwist::Faces::Faces(const FieldSurface& surface, const SurfaceFields& fields
   std::vector<Eigen::Matrix3d> slopes(hats.size());
   for_each(triangles.rows(), context, [&](std::size_t t) {
     hats[t] = hat_gradients(surface.points, triangles, static_cast<Eigen::Index>(t), areas[t]);
-    Eigen::Matrix<double, 3, Eigen::Dynamic> corners(3, weights.cols());
-    for (int k = 0; k < 3; ++k) corners.row(k) = weights.row(triangles(static_cast<Eigen::Index>(t), k));
-    const Eigen::Matrix<double, 3, Eigen::Dynamic> gradients = hats[t].transpose() * corners;
-    slopes[t] = gradients * gradients.transpose();
+    slopes[t] = slopes_of_weights(hats[t], weights, triangles.row(static_cast<Eigen::Index>(t)));
   });
   const auto component_of = [&](std::size_t t) {
     return fields.component()[triangles(static_cast<Eigen::Index>(t), 0)];
@@ -172,13 +92,7 @@ LimbTwist::Faces::Faces(const FieldSurface& surface, const SurfaceFields& fields
     if (const Index c = component_of(t); c >= 0) steepest[c] = std::max(steepest[c], slopes[t].trace());
   for_each(triangles.rows(), context, [&](std::size_t t) {
     const Index c = component_of(t);
-    if (c < 0 || !(steepest[c] > 0)) return;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(slopes[t]);
-    const double first = eigen.eigenvalues()[2], second = std::max(0.0, eigen.eigenvalues()[1]);
-    const double certainty = std::max(0.0, first - second) / (first + second + flattest * steepest[c]);
-    along[t] = std::sqrt(certainty) * eigen.eigenvectors().col(2);
-    const Eigen::Vector3d normal = hats[t].row(0).cross(hats[t].row(1)).transpose();
-    across[t] = normal.stableNormalized().cross(along[t]);
+    if (c >= 0) find_direction(slopes[t], steepest[c], hats[t], along[t], across[t]);
   });
 }
 
@@ -215,13 +129,13 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   directions_ = Points::Zero(surface.points.rows(), 3);
   for_each(static_cast<Eigen::Index>(vertices_.size()), context, [&](std::size_t k) {
     const Index v = vertices_[k];
-    entry(matrix, v, v) += areas[v];
+    matrix_entry(matrix, v, v) += areas[v];
     for (const Index t : faces.at[v]) {
-      // Slopes across t, as much as t is certain.
-      const Eigen::Vector3d slopes = faces.hats[t] * faces.across[t], &along = faces.along[t];
+      const Eigen::Vector3d& along = faces.along[t];
       const Eigen::Vector3d stiffness =
-          reach_of_means * free_areas[component[v]] * faces.areas[t] * slopes[faces.corner(t, v)] * slopes;
-      for (int j = 0; j < 3; ++j) entry(matrix, v, faces.triangles(t, j)) += stiffness[j];
+          stiffness_across(faces.hats[t] * faces.across[t], corner_of(faces.triangles, t, v),
+                           free_areas[component[v]], faces.areas[t]);
+      for (int j = 0; j < 3; ++j) matrix_entry(matrix, v, faces.triangles(t, j)) += stiffness[j];
       tensors.row(v) += faces.areas[t] / (3 * areas[v]) * to_tensor(along * along.transpose());
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_matrix(tensors.row(v)));
@@ -250,14 +164,10 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   for_each(means.rows(), context, [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
     const Index v = vertices_[k];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_matrix(means.row(row).tail<6>()));
-    const double first = eigen.eigenvalues()[2], second = std::max(0.0, eigen.eigenvalues()[1]);
-    const double share = first > 1e-3 ? share_of_limb((first - second) / (first + second)) : 0;
-    if (given[v] || share == 0) return;
-    const Eigen::RowVector3d axis = eigen.eigenvectors().col(2).transpose();
-    const Eigen::RowVector3d offset = surface.points.row(v) - means.row(row).head<3>();
-    axes_.row(v) = axis;
-    moments_.row(v) = share * axis.cross(offset);
+    if (given[v]) return;
+    const LimbPoint limb = limb_at(surface.points.row(v), means.row(row));
+    axes_.row(v) = limb.axis.transpose();
+    moments_.row(v) = limb.moment.transpose();
   });
 }
 
@@ -273,7 +183,7 @@ void LimbTwist::find_derivatives(const FieldSurface& surface, std::span<const st
     for (const Index t : faces.at[v]) {
       tensors.row(v) += faces.areas[t] * to_tensor(direction * direction.transpose());
       const Eigen::Vector3d slopes = faces.areas[t] * faces.hats[t] * direction;
-      for (int j = 0; j < 3; ++j) entry(derivatives_, v, faces.triangles(t, j)) += slopes[j];
+      for (int j = 0; j < 3; ++j) matrix_entry(derivatives_, v, faces.triangles(t, j)) += slopes[j];
     }
   });
   const Eigen::MatrixXd means = means_->solve(tensors(vertices_, Eigen::all), context);

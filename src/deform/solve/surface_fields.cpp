@@ -8,6 +8,7 @@
 #include "core/sparse_checks.h"
 #include "linalg/sparse.h"
 #include "operators/laplacian.h"
+#include "strip_width.h"
 #include "vertex_solver.h"
 
 namespace meshgraft {
@@ -60,23 +61,6 @@ double smallest_area_of(const std::vector<double>& areas, const IndexLists& ring
 void bound_areas(double smallest, const IndexLists& rings, std::vector<double>& areas) {
   for (Index v = 0; v < rings.size(); ++v)
     if (!rings[v].empty()) areas[v] = std::max(areas[v], smallest);
-}
-
-/// Returns the width of a strip whose mean sag under a uniform unit load is `sag`, if it is clamped at both
-/// sides and has tension 1 and bending stiffness t² (Euler–Bernoulli beam), or no tension and bending stiffness
-/// 1.
-double strip_width(double sag, std::optional<double> t) {
-  if (!t) return std::pow(720 * sag, 0.25);
-  if (!(sag > 0)) return 0;
-  const auto sag_of = [&](double width) {
-    const double x = width / *t;
-    if (x < 0.1) return width * width * x * x / 720;  // the closed form loses its digits
-    return width * width / 12 - width * *t / 2 / std::tanh(x / 2) + *t * *t;
-  };
-  double low = 0, high = std::sqrt(12 * sag) + 12 * *t;
-  while (sag_of(high) < sag) high *= 2;
-  for (int step = 0; step < 60; ++step) (sag_of((low + high) / 2) < sag ? low : high) = (low + high) / 2;
-  return high;
 }
 
 }  // namespace
