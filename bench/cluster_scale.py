@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures meshgraft-mpi for docs/scale.md: seconds, memory, halos, iterations and messages.
 
-    cluster_scale.py MESHGRAFT_MPI SIDE RANKS… [--method-settings JSON] [--folder FOLDER]
+    cluster_scale.py MESHGRAFT_MPI SIDE RANKS… [--folder FOLDER]
 
 Makes an irregular sheet with bumps of SIDE × SIDE vertices as a binary PLY file in the folder, unless it is there. Turns a
 disc in its middle by 45°, with two rings of the border fixed. Prints a row of a Markdown table for each number of ranks.
@@ -98,7 +98,7 @@ def measure(arguments, mesh, edit, ranks):
     peak = max(memory.peaks.values())
     row = [f"{vertices:,}", ranks, f"{seconds['assemble'] - own['partition_seconds']:.1f}", f"{own['partition_seconds']:.1f}",
            f"{seconds['factorise']:.1f}", f"{seconds['solve']:.1f}", f"{seconds['total']:.1f}", own["iterations"],
-           f"{peak / 1e6:,.0f}", f"{sum(memory.peaks.values()) / vertices:,.0f}", f"{own['largest_part']:,}",
+           f"{peak / 1e6:,.0f}", f"{peak * ranks / vertices:,.0f}", f"{own['largest_part']:,}",
            f"{own['largest_halo']:,}", own["most_neighbours"], f"{float(messages[1]):,.0f}" if messages else ""]
     print("| " + " | ".join(map(str, row)) + " |", flush=True)
 

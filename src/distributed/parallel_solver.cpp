@@ -275,7 +275,7 @@ WidthSolver& ParallelSolver::Impl::solver_of(int width) {
   return solver;
 }
 
-ParallelSolver::ParallelSolver(const Communicator& comm, const MatrixRows& rows, const UnknownNodes& nodes,
+ParallelSolver::ParallelSolver(const Communicator& comm, MatrixRows rows, const UnknownNodes& nodes,
                                const ParallelSolverOptions& options)
     : impl_(std::make_unique<Impl>(comm, options)) {
   Impl& d = *impl_;
@@ -286,6 +286,7 @@ ParallelSolver::ParallelSolver(const Communicator& comm, const MatrixRows& rows,
   if (d.figures.unknowns > std::numeric_limits<PetscInt>::max())
     throw Error(facts::distributed::NeedsWideIndices{.unknowns = d.figures.unknowns});
   d.matrix = make_matrix(comm, rows, own, 1);
+  rows = {};
   require(MatSetOption(d.matrix, MAT_SPD, PETSC_TRUE));
   switch (options.preconditioner) {
     case Preconditioner::blended: d.set_up_blended(nodes); break;

@@ -58,7 +58,8 @@ struct ParallelStatistics {
 /// from the vectors {1, x, y, z}; so the conjugate gradients are flexible ones (Notay 2000).
 class ParallelSolver {
  public:
-  ParallelSolver(const Communicator& comm, const MatrixRows& rows, const UnknownNodes& nodes,
+  /// `rows` are freed before the preconditioner is set up, which takes as much memory.
+  ParallelSolver(const Communicator& comm, MatrixRows rows, const UnknownNodes& nodes,
                  const ParallelSolverOptions& options);
   ParallelSolver(ParallelSolver&&) noexcept;
   ~ParallelSolver();

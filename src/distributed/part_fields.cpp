@@ -64,7 +64,7 @@ VertexSystem::VertexSystem(const Communicator& comm, const Part& part, SparseRow
     nodes.positions.row(static_cast<Eigen::Index>(nodes.vertex.size())) = part.points.row(v);
     nodes.vertex.push_back(v);
   }
-  solver_.emplace(comm, matrix, nodes, options);
+  solver_.emplace(comm, std::move(matrix), nodes, options);
 }
 
 Columns VertexSystem::multiply(const Columns& fields) const {

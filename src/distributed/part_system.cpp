@@ -165,15 +165,12 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
     }
   }
   take_over(P_, scaled_rows(rows_->P(), own_rows, scales));
-  take_over(P_transposed_, transpose(P_, one_thread));
 
   take_over(G_, multiply(rows_->H(), E_, one_thread));
   take_over(A_L_, difference_of_products({L_, E_}, {delta_, G_}, one_thread));
   take_over(stiffness_, stiffness_rows(options));
   take_over(A_L_, stack(A_L_, multiply(stiffness_, E_, one_thread), one_thread));
   if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(options.operators.density), one_thread));
-  take_over(A_L_transposed_, transpose(A_L_, one_thread));
-  take_over(G_transposed_, transpose(G_, one_thread));
 }
 
 /// Returns rows w (x_i − x_j) of the edges with a free end, as `ConstrainedSystem` has them.
@@ -240,15 +237,16 @@ void PartSystem::factorise() {
   const Stopwatch watch;
   NormalMatrix lower;
   comm_.together([&] {
-    const SparseRows coupling = multiply(P_transposed_, P_, one_thread);
+    const SparseRows coupling = multiply(transpose(P_, one_thread), P_, one_thread);
+    const SparseRows A_transposed = transpose(A_L_, one_thread), G_transposed = transpose(G_, one_thread);
     lower = normal_equations(
-        {.A = A_L_, .A_transposed = A_L_transposed_, .G = G_, .G_transposed = G_transposed_, .K = coupling},
+        {.A = A_L_, .A_transposed = A_transposed, .G = G_, .G_transposed = G_transposed, .K = coupling},
         one_thread);
   });
-  const MatrixRows matrix = sum_contributions(comm_, columns_, lower);
+  MatrixRows matrix = sum_contributions(comm_, columns_, lower);
   lower = NormalMatrix();
   solver_.reset();
-  solver_.emplace(comm_, matrix, unknown_nodes(column_),
+  solver_.emplace(comm_, std::move(matrix), unknown_nodes(column_),
                   ParallelSolverOptions{.preconditioner = preconditioner_, .prefix = ""});
   factorise_seconds_ += watch.seconds();
 }
@@ -272,7 +270,6 @@ void PartSystem::weigh_anchors() {
     anchor_weights_[a] = weight;
   }
   take_over(A_L_, SparseRows(factors.asDiagonal() * A_L_));
-  take_over(A_L_transposed_, transpose(A_L_, one_thread));
 }
 
 /// Returns own rows, followed by those of the halo's columns.
@@ -317,8 +314,9 @@ PartSystem::Rows PartSystem::right_hand_side(const PartValues& values, const Par
 
 /// Returns Aᵀ times rows, own columns × 3.
 Columns PartSystem::apply_transposed(const Rows& rows) const {
-  Columns sums = multiply(A_L_transposed_, rows.laplacian, one_thread) +
-                 multiply(G_transposed_, multiply(P_transposed_, rows.smoothness, one_thread), one_thread);
+  const Columns of_maps = P_.transpose() * rows.smoothness;
+  Columns sums = A_L_.transpose() * rows.laplacian;
+  sums += G_.transpose() * of_maps;
   columns_.add_to_owners(sums);
   return sums.topRows(columns_.own());
 }

@@ -88,9 +88,9 @@ class PartSystem {
   };
   std::vector<EdgeRow> edge_rows_;
   Halo columns_;
-  std::vector<int> column_;                              ///< per node: local column, or -1
-  SparseRows L_, delta_, P_, P_transposed_, stiffness_;  ///< own rows
-  SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
+  std::vector<int> column_;               ///< per node: local column, or -1
+  SparseRows L_, delta_, P_, stiffness_;  ///< own rows
+  SparseRows E_, A_L_, G_;
   std::optional<ParallelSolver> solver_;
   Preconditioner preconditioner_;
   double tolerance_;
