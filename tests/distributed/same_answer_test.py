@@ -16,10 +16,9 @@ from cluster_scene import PROGRAM, Mesh, largest_difference, read_ply, run, run_
 TIGHT = ("--tolerance", "1e-13")
 DISC = {"sphere": {"centre": [0.5, 0.5, 0], "radius": 0.12}}
 TURNED = {"translate": [0.05, 0.1, 0.3], "rotate": {"axis": [1, 0.5, 0.2], "angle_deg": 40}, "scale": 1.2}
-BORDER = {"rim": {"of": {"box": {"min": [-1, -1, -1], "max": [0.95, 2, 1]}}, "rings": 2}}
 
 
-class SameAnswer(unittest.TestCase):
+class Scene(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
@@ -48,7 +47,9 @@ class SameAnswer(unittest.TestCase):
             self.assertLess(largest_difference(expected[3], found[3]), bound, f"{count} ranks")
             self.assertEqual((found[0], found[2]), (rest[0], rest[2]), "all but the vertices stays")
 
-    def test_of_50000_vertices(self):
+
+class FiftyThousand(Scene):
+    def test_by_several_ranks(self):
         mesh = Mesh()
         mesh.add_sheet(224, 224)
         mesh.write(self.mesh)
@@ -56,6 +57,8 @@ class SameAnswer(unittest.TestCase):
                           handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
         self.assert_same(edit, (1, 2, 4, 7))
 
+
+class SameAnswer(Scene):
     def test_of_shuffled_components(self):
         mesh = Mesh()
         mesh.add_sheet(40, 40)
