@@ -9,7 +9,7 @@ namespace meshgraft::distributed {
 /// Throws Error(internal) with PETSc's message, or Error(memory), if a function of PETSc failed.
 void require(PetscErrorCode status);
 
-/// Starts PETSc before its first use in the process, unless the caller has started it, and ends it with MPI.
+/// Starts PETSc before its first use in the process, unless the caller has started it. It is not ended here.
 void start_petsc();
 
 /// An object of PETSc, which is freed with this one.
