@@ -7,6 +7,7 @@
 
 #include "components.h"
 #include "deform/solve/strip_width.h"
+#include "operators/intrinsic_delaunay.h"
 #include "operators/laplacian.h"
 
 namespace meshgraft::distributed {
@@ -116,7 +117,8 @@ PartFields::PartFields(const Communicator& comm, const Part& part, const Flags& 
     std::vector<double> inverse(areas_.size());
     std::transform(areas_.begin(), areas_.end(), inverse.begin(),
                    [](double area) { return area > 0 ? 1 / area : 0; });
-    const SparseRows K = dirichlet_matrix(part.points, part.mesh.triangles, part.mesh.rings, {.threads = 1});
+    const SparseRows K =
+        dirichlet_matrix(count, intrinsic_delaunay_edges(part.points, part.mesh.triangles, {.threads = 1}));
     tension_ = K.topRows(own);
     bending_ = meshgraft::multiply(meshgraft::multiply(tension_, diagonal(inverse), {.threads = 1}), K,
                                    {.threads = 1});
