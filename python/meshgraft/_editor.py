@@ -187,7 +187,7 @@ class Editing(Generic[M]):
                 result = edit.run().mesh
             except InputError as error:
                 last = steps[-1]
-                if f"steps[{len(steps) - 1}]" not in error.location or last.get("handles") or last["kind"] in ("cut", "repair", "transform"):
+                if f"steps[{len(steps) - 1}]" not in error.location or last.get("handles") or last["kind"] in ("cut", "repair", "sculpt", "transform"):
                     raise
                 if last["kind"] == "merge":
                     self.note = f"The last graft was not complete, and is left out: {error}"

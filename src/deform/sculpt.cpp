@@ -97,25 +97,25 @@ SculptPatch make_sculpt_patch(const SculptedSurface& surface, const Context& con
   return patch;
 }
 
-// Returns whether every vertex of some connected component moves.
+// Returns whether less than three vertices of some connected component are held.
 bool moves_a_component(const SculptPatch& patch) {
   Flags is_seen(patch.vertex.size(), 0);
   for (const Index seed : patch.moving) {
     if (is_seen[seed] != 0) continue;
-    bool is_held = false;
+    int held = 0;
     std::vector<Index> waiting{seed};
     is_seen[seed] = 1;
     while (!waiting.empty()) {
       const Index v = waiting.back();
       waiting.pop_back();
-      is_held = is_held || patch.unknown[v] < 0;
+      held += patch.unknown[v] < 0;
       for (const Index w : patch.rings[v]) {
         if (is_seen[w] != 0) continue;
         is_seen[w] = 1;
         waiting.push_back(w);
       }
     }
-    if (!is_held) return true;
+    if (held < 3) return true;
   }
   return false;
 }
@@ -161,6 +161,11 @@ double area_of_moving(const SculptPatch& patch, const std::vector<double>& areas
   double sum = 0;
   for (const Index v : patch.moving) sum += areas[v];
   return sum;
+}
+
+// Returns whether there are moving vertices, and faces with an area at them.
+bool has_area(const SculptPatch& patch) {
+  return area_of_moving(patch, vertex_areas(patch.points, patch.triangles)) > 0;
 }
 
 // Returns a weight per vertex: 0 outside, rising smoothly with the distance from what stays, 1 at `share` of
@@ -211,7 +216,7 @@ Points smooth_region(const SculptedSurface& surface, double strength, const Cont
   require_fraction(strength);
   context.step("solve");
   const SculptPatch patch = make_sculpt_patch(surface, context);
-  if (patch.moving.empty() || strength == 0) return surface.points;
+  if (strength == 0 || !has_area(patch)) return surface.points;
   if (strength == 1 && moves_a_component(patch)) throw Error(facts::deform::SmoothedAway{}, "strength");
   const Bending bending = bending_of(patch, context);
   const double length = std::sqrt(area_of_moving(patch, bending.areas)), wave = 2 * std::numbers::pi / length;
@@ -235,7 +240,7 @@ Points smooth_region(const SculptedSurface& surface, double strength, const Cont
 
 Points inflate_region(const SculptedSurface& surface, double height, const Context& context) {
   const SculptPatch patch = make_sculpt_patch(surface, context);
-  if (patch.moving.empty()) return surface.points;
+  if (!has_area(patch)) return surface.points;
   const std::vector<double> weights = sculpt_profile(patch, 1);
   const Points normals = broad_normals(patch, context);
   Points moved = patch.points;
@@ -246,13 +251,13 @@ Points inflate_region(const SculptedSurface& surface, double height, const Conte
 Points flatten_region(const SculptedSurface& surface, double strength, const Context& context) {
   require_fraction(strength);
   const SculptPatch patch = make_sculpt_patch(surface, context);
-  if (patch.moving.empty()) return surface.points;
+  if (!has_area(patch)) return surface.points;
   constexpr double share = 0.4;  // chosen: the middle is flat, and a rim leads over to the surface around it
   const std::vector<double> weights = sculpt_profile(patch, share),
                             areas = vertex_areas(patch.points, patch.triangles);
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
   for (const Index v : patch.moving) centre += areas[v] * patch.points.row(v);
-  centre /= std::max(area_of_moving(patch, areas), 1e-300);
+  centre /= area_of_moving(patch, areas);
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Index v : patch.moving) {
     const Eigen::RowVector3d arm = patch.points.row(v) - centre;

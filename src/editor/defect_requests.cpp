@@ -82,7 +82,10 @@ Json Worker::repair(const json::Value& message, const Context& context) {
   RepairOptions options;
   fields.optional("kinds", [&](const json::Value& list) { options = repair_for(kinds_in(list, *object)); });
   if (holes) options = repair_of_holes();
-  if (object->state().is_cut) options.weld = false;  // what a cut opened stays open
+  if (object->state().is_cut) {  // what a cut opened stays open
+    options.weld = false;
+    if (!holes) options.hole_edges = 0;
+  }
   step.update(Json(settings_json(options)));
   Json document = open_one().document().json;
   const std::size_t index = add_mesh_step(document, edit, std::move(step));

@@ -116,10 +116,15 @@ std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step) {
     return steps.size() - 2;
   }
   const bool of_model = step["mesh"] == model_of(edit);
+  const Json before = steps.empty() ? Json() : steps.back();
   const std::string model = end_step_in_work(document, edit);
   if (of_model) step["mesh"] = model;
+  const bool keeps_plane = step["kind"] != "transform";
   steps.push_back(std::move(step));
-  steps.push_back(empty_step(model));
+  Json next = empty_step(model);
+  if (deform != nullptr) next["settings"] = before["settings"];
+  if (keeps_plane && before.contains("symmetry")) next["symmetry"] = before["symmetry"];
+  steps.push_back(std::move(next));
   return steps.size() - 2;
 }
 

@@ -22,7 +22,7 @@ EditStep parse_sculpt_step(const Value& value) {
   for (const char* field : {"strength", "height"})
     if (fields.has(field) && inflates != (std::string_view(field) == "height"))
       fields.required(field).fail(facts::script::FieldNeedsField{
-          .field = field, .needed = inflates ? "action: smooth" : "action: inflate"});
+          .field = field, .needed = inflates ? "action: smooth or flatten" : "action: inflate"});
   fields.optional("strength", [&](const Value& v) { step.strength = v.number_in(0, 1); });
   if (inflates) step.height = fields.required("height").number();
   return {{}, {}, std::move(step)};

@@ -6,6 +6,7 @@
 #include <meshgraft/select/selection.h>
 
 #include "core/stopwatch.h"
+#include "deform/facts.h"
 #include "deform/sculpt.h"
 #include "run_steps.h"
 #include "script/facts.h"
@@ -50,12 +51,16 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   SelectionResolver resolver(edit, selections, state.produced);
   const std::vector<Index> region = resolver.vertices(step.region, location / "region");
   if (region.empty()) throw Error(facts::script::SelectionEmpty{}, location / "region");
-  require_sound(state.diagnostics, state.mesh, {.vertices = region, .name = state.label});
+  constexpr int read_rings = 2;  // around the region
+  const std::vector<Index> read = grow_rings(region, read_rings, selections.rings);
+  require_sound(state.diagnostics, mesh, {.vertices = read, .name = state.label});
   report.seconds.select = watch.lap();
   const Triangles triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   Points moved;
   try {
     moved = sculpted(step, {mesh.positions, triangles, region}, context);
+    for (const Index v : region)
+      if (!moved.row(v).allFinite()) throw Error(facts::deform::SolutionNotFinite{.vertex = v});
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     throw error.within(location);

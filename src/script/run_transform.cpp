@@ -28,8 +28,9 @@ void require_invertible(const Eigen::Affine3d& map, const Location& location) {
     throw Error(facts::script::PoseFlattens{}, location);
 }
 
-// Maps the directions of tangents, which keep their length.
+// Maps the directions of tangents, which keep their length. A fourth component is the side of the bitangent.
 void transform_tangents(Mesh& mesh, const Eigen::Matrix3d& linear) {
+  const bool mirrors = linear.determinant() < 0;
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.name != "tangent" || attribute.components < 3) continue;
     const auto stride = static_cast<std::size_t>(attribute.components);
@@ -37,6 +38,7 @@ void transform_tangents(Mesh& mesh, const Eigen::Matrix3d& linear) {
       Eigen::Map<Eigen::Vector3d> tangent(&attribute.values[at]);
       const double length = tangent.norm();
       if (length > 0) tangent = (linear * tangent).normalized() * length;
+      if (mirrors && stride == 4) attribute.values[at + 3] *= -1;
     }
   }
 }
@@ -66,6 +68,9 @@ StepReport run_transform(const EditStep& edit_step, const Location& location,
   }
   require_invertible(map, location / "pose");
   state.mesh = transformed(state.mesh, map, location / "pose");
+  for (Index v = 0; v < state.mesh.vertex_count(); ++v)
+    if (state.mesh.positions.row(v).array().isInf().any())
+      throw Error(facts::script::PoseBeyondNumbers{.vertex = v}, location / "pose");
   transform_tangents(state.mesh, map.linear());
   state.rest = ((state.rest * map.linear().transpose()).rowwise() + map.translation().transpose()).eval();
   state.orientations = transformed(std::move(state.orientations), map.linear());

@@ -129,11 +129,13 @@ TEST(PrintCheck, FollowsSimilarities) {
   }
 }
 
-TEST(PrintCheck, BearsWhatHasNoPlace) {
+TEST(PrintCheck, LeavesOutFacesWithoutFiniteCoordinates) {
   EXPECT_TRUE(check_print(Mesh{}).size.isZero());
   const PrintCheck check = check_print(test::with_non_finite(box(), 2, 3));
   EXPECT_TRUE(check.size.allFinite());
   EXPECT_LT(check.surface.triangles.rows(), box().face_count());
+  EXPECT_FALSE(check.open_edges.empty());
+  EXPECT_FALSE(check.volume.has_value());
 }
 
 }  // namespace

@@ -158,10 +158,23 @@ TEST(Sculpt, RefusesWhatHasNoShapeLeft) {
   } catch (const Error& error) {
     EXPECT_EQ(error.id(), facts::deform::SmoothedAway::id);
   }
+  const std::vector<Index> most(all.begin() + 2, all.end());
+  EXPECT_THROW(smooth_region({ball.positions, ball.triangles, most}, 1), Error);
   const Points smooth = smooth_region({ball.positions, ball.triangles, all}, 0.5);
   EXPECT_TRUE(smooth.allFinite());
   EXPECT_THROW(smooth_region({ball.positions, ball.triangles, all}, 1.5), Error);
   EXPECT_THROW(flatten_region({ball.positions, ball.triangles, all}, -1), Error);
+}
+
+TEST(Sculpt, LeavesFacesWithoutAreaAlone) {
+  test::TestMesh line = test::grid(6, 6);
+  line.positions.col(1).setZero();
+  line.positions.col(2).setZero();
+  const std::vector<Index> all = where(line, [](const Vector3d&) { return true; });
+  const SculptedSurface surface{line.positions, line.triangles, all};
+  EXPECT_EQ(smooth_region(surface, 0.5), line.positions);
+  EXPECT_EQ(flatten_region(surface, 1), line.positions);
+  EXPECT_EQ(inflate_region(surface, 1), line.positions);
 }
 
 }  // namespace

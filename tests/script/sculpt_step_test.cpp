@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -5,6 +7,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/run_edit.h>
 
 #include "deform/sculpt.h"
@@ -86,6 +89,21 @@ TEST_F(SculptStepTest, RefusesWhatMovesNothing) {
     EXPECT_EQ(error.location().text(), "edit.json: steps[0].region");
   }
   EXPECT_THROW(run_edit(edit(R"("action": "smooth", "region": "all", "strength": 1)")), Error);
+}
+
+// The step reads two rings around its region.
+TEST_F(SculptStepTest, RefusesANonFiniteVertexBesideTheRegion) {
+  Mesh given = make_mesh(ball_.positions, ball_.triangles);
+  const std::vector<Index> region = cap(given);
+  const IndexLists rings = vertex_rings(given.vertex_count(), ball_.triangles);
+  const std::vector<Index> around = grow_rings(region, 1, rings);
+  const auto beside =
+      std::ranges::find_if(around, [&](Index v) { return !std::ranges::binary_search(region, v); });
+  ASSERT_NE(beside, around.end());
+  given.positions(*beside, 0) = std::nan("");
+  put(given);
+  for (const char* action : {R"("smooth")", R"("flatten")", R"("inflate", "height": 0.1)"})
+    EXPECT_THROW(run_edit(edit(R"("region": "cap", "action": )" + std::string(action))), Error) << action;
 }
 
 TEST_F(SculptStepTest, ReadsBackWhatItWrites) {

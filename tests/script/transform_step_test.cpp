@@ -123,6 +123,17 @@ TEST_F(TransformStepTest, RefusesWhatFlattens) {
   }
 }
 
+TEST_F(TransformStepTest, RefusesNumbersBeyondRange) {
+  const std::string step = R"({"kind": "transform", "mesh": "bar", "pose": {"scale": 1e100}})";
+  try {
+    run_edit(edit(step + ", " + step + ", " + step + ", " + step));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.id(), facts::script::PoseBeyondNumbers::id);
+    EXPECT_EQ(error.location().text(), "edit.json: steps[3].pose");
+  }
+}
+
 TEST_F(TransformStepTest, ReadsBackWhatItWrites) {
   const EditFile all = read_edit_file(test::source_path("tests/script/accepted/transform.json"));
   const std::string written = write_edit(all);

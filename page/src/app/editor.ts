@@ -410,7 +410,7 @@ export class Editor {
 
   private offerOfMending(): Message["offer"] {
     if (!this.mending.defective.value.some(({ findings }) => findings.some(({ repairable }) => repairable))) return undefined;
-    return { label: "Mend all", run: () => void this.mending.mendAll() };
+    return { label: "Mend all", run: () => void this.mending.mendAll(this.mending.defective.value.map(({ name }) => name)) };
   }
 
   private onEvent(event: EngineEvent): void {
@@ -429,7 +429,10 @@ export class Editor {
           if (active.value !== null && !event.handles.some((handle) => handle.name === active.value))
             active.value = null;
           this.graft.onState(event);
-          if (this.marking.onState(event)) this.printing.forget();
+          if (this.marking.onState(event)) {
+            this.printing.forget();
+            this.tools.measured.value = null;
+          }
         });
         this.viewport.setDocument(event);
         break;

@@ -39,7 +39,7 @@ export class Marking {
     return changed;
   }
 
-  private hide(): void {
+  hide(): void {
     if (this.marked.value !== null) this.links.hideMarks();
     this.marked.value = null;
   }

@@ -46,9 +46,16 @@ export class Mending {
     await this.repair({ do: "repair", mesh: object, holes: true });
   }
 
-  async mendAll(): Promise<void> {
-    for (const { name, findings } of this.defective.value)
-      if (findings.some(({ repairable }) => repairable)) await this.mend(name);
+  /** Repairs all defects of these objects. */
+  async mendAll(objects: readonly string[]): Promise<void> {
+    const notes: NonNullable<Outcome["notes"]> = [];
+    for (const { name, findings } of this.defective.value) {
+      if (!objects.includes(name) || !findings.some(({ repairable }) => repairable)) continue;
+      const answer = await this.links.ask({ do: "repair", mesh: name });
+      if (answer === undefined) return;
+      notes.push(...(answer.notes ?? []));
+    }
+    this.links.note(mendedWords(notes));
   }
 
   private async repair(request: PageRequest): Promise<void> {

@@ -35,6 +35,7 @@ export class Printing {
 
   /** Checks again if there was a check, because a limit has changed. */
   async renew(): Promise<void> {
+    this.links.marking.hide();
     if (this.result.value !== null) await this.check();
   }
 

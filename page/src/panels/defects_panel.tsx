@@ -31,7 +31,7 @@ export function DefectsPanel({ page }: { page: Page }) {
           kind="primary"
           tip="Also joins open seams and closes small holes."
           disabled={!mending.canMend.value}
-          onClick={() => void mending.mendAll()}
+          onClick={() => void mending.mendAll(objects.map(({ name }) => name))}
         />
       )}
       {!mending.canMend.value && <p class="hint">Accept or cancel the graft to mend.</p>}

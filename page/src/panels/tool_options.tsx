@@ -143,6 +143,7 @@ function SelectionLine({ page, selected }: { page: Page; selected: number }) {
 function ShapeLine({ page }: { page: Page }) {
   const { editor, viewport } = page;
   const { shapeStrength } = editor.tools;
+  const canShape = editor.mending.canMend.value; // no graft is open
   const strength = shapeStrength.value;
   const shape = (action: "smooth" | "flatten") => void editor.ask({ do: "sculpt", action, strength });
   const inflate = (sign: 1 | -1) => {
@@ -152,10 +153,10 @@ function ShapeLine({ page }: { page: Page }) {
   };
   return (
     <div class="tool-line shape-line" role="toolbar" aria-label="Shape">
-      <Button label="Smooth" tip="Removes detail; keeps how the surface around meets it." onClick={() => shape("smooth")} />
-      <Button label="Flatten" tip="Moves it towards its plane." onClick={() => shape("flatten")} />
-      <Button label="Inflate" tip="Raises its middle." onClick={() => inflate(1)} />
-      <Button label="Dent" tip="Lowers its middle." onClick={() => inflate(-1)} />
+      <Button label="Smooth" disabled={!canShape} tip="Removes detail; keeps how the surface around meets it." onClick={() => shape("smooth")} />
+      <Button label="Flatten" disabled={!canShape} tip="Moves it towards its plane." onClick={() => shape("flatten")} />
+      <Button label="Inflate" disabled={!canShape} tip="Raises its middle." onClick={() => inflate(1)} />
+      <Button label="Dent" disabled={!canShape} tip="Lowers its middle." onClick={() => inflate(-1)} />
       <Slider
         label="Strength"
         min={0.05}

@@ -43,7 +43,7 @@ describe("mending", () => {
   });
   test("repairs all that can be repaired, object by object", async () => {
     const { mending, asked, told } = mendingOf(stateOf([turned], [huge]), { notes: [note("mesh.turned_face", 2)] });
-    await mending.mendAll();
+    await mending.mendAll(["a", "b"]);
     expect(asked).toEqual([{ do: "repair", mesh: "a" }]);
     expect(told).toEqual(["Mended. 2 faces were turned over."]);
   });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 
@@ -28,7 +29,7 @@ bool is_finite(const Mesh& mesh, const Triangles& triangles, Eigen::Index t) {
          mesh.positions.row(triangles(t, 2)).allFinite();
 }
 
-// Removes triangles that have no place.
+// Removes triangles without finite coordinates.
 void keep_finite(const Mesh& mesh, Triangulation& surface) {
   Eigen::Index kept = 0;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
@@ -47,10 +48,21 @@ Eigen::AlignedBox3d bounds_of(const Mesh& mesh, const Triangles& triangles) {
   return box;
 }
 
+// Finds the edges where the surface is open or unclear. Faces without finite coordinates do not count.
 void find_edges(PrintCheck& check, const Mesh& mesh) {
   const EdgeTable table(mesh.vertex_count(), mesh.faces);
+  const auto is_of_finite_face = [&](Index half_edge) {
+    Index corner = half_edge;
+    do {
+      if (!mesh.positions.row(mesh.faces.corners()[corner]).allFinite()) return false;
+      corner = table.next[corner];
+    } while (corner != half_edge);
+    return true;
+  };
+  std::vector<Index> half_edges;
   for (Index e = 0; e < table.edge_count(); ++e) {
-    const auto half_edges = table.half_edges[e];
+    half_edges.clear();
+    std::ranges::copy_if(table.half_edges[e], std::back_inserter(half_edges), is_of_finite_face);
     if (half_edges.size() == 1) check.open_edges.push_back(table.ends[e]);
     if (half_edges.size() > 2) check.crowded_edges.push_back(table.ends[e]);
     if (half_edges.size() == 2 && mesh.faces.corners()[half_edges[0]] == mesh.faces.corners()[half_edges[1]])

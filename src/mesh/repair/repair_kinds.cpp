@@ -19,8 +19,8 @@ void switch_on_for(FindingKind kind, RepairOptions& options) {
     case FindingKind::duplicate_face: options.clean_faces = true; break;
     case FindingKind::zero_area_face:
       options.clean_faces = true;
-      options.weld =
-          true;  // a face without area is removed without a hole only if what lies together is joined
+      // Only where what lies together is joined does a face without area leave no hole.
+      options.weld = true;
       break;
     case FindingKind::isolated_vertex: options.remove_isolated = true; break;
     case FindingKind::duplicate_vertex: options.weld = true; break;

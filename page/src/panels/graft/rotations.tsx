@@ -43,12 +43,15 @@ interface RotationProps {
 function Rotation({ page, pair, candidate, words, isChosen, onChoose }: RotationProps) {
   const [picture, setPicture] = useState<string | undefined>(undefined);
   const { start, probability, turn_deg } = candidate;
-  const isPlaced = page.editor.graft.report.value?.transform !== undefined;
+  const placed = String(page.editor.graft.report.value?.transform);
   useEffect(() => {
     let isWanted = true;
-    void page.graft.startPicture(pair, candidate)?.then((made) => isWanted && setPicture(made));
+    void page.graft.startPicture(pair, candidate)?.then(
+      (made) => isWanted && setPicture(made),
+      () => undefined, // the button says the angle, too
+    );
     return () => void (isWanted = false);
-  }, [String(start), isPlaced]);
+  }, [String(start), placed]);
   return (
     <button
       type="button"

@@ -26,7 +26,7 @@ export class StartPictures {
     const curves = this.graft.starts.curvesOf(pair);
     const placed = report.value?.transform;
     if (part === undefined || model === undefined || curves === undefined || placed === undefined) return undefined;
-    const key = [part.id, model.id, pair.sourceLoop, pair.targetLoop, report.value?.size, ...candidate.start].join(" ");
+    const key = [part.id, model.id, pair.sourceLoop, pair.targetLoop, String(placed), ...candidate.start].join(" ");
     const known = this.made.get(key);
     if (known !== undefined) return known;
     const matrix = rotatedPlacement(matrixOfRows(placed), part, model, curves.target.vertices, candidate.start as [number, number]);
@@ -41,6 +41,7 @@ export class StartPictures {
       pixels,
     });
     this.made.set(key, picture);
+    picture.catch(() => this.made.delete(key)); // it is made again
     return picture;
   }
 }
