@@ -42,7 +42,7 @@ std::vector<Number> find_components(const Communicator& comm, const LocalMesh& m
 
 namespace {
 
-/// What a rank knows of a component, or the sums over all ranks.
+/// Sums over the vertices of a component, on one rank or on all.
 struct ComponentPart {
   Number label = -1;
   Number size = 0;

@@ -12,7 +12,7 @@
 
 namespace meshgraft::distributed {
 
-/// What a distributed run of an edit file reads and writes, and how it solves.
+/// The files and the settings of a distributed run of an edit file.
 struct RunRequest {
   std::filesystem::path edit, output, report;  ///< an empty report is not requested
   SettingsOverrides overrides;

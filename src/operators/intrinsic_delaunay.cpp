@@ -131,7 +131,7 @@ class IntrinsicTriangulation {
   bool flip(Index h) {
     const Index g = twin_[h], hn = next(h), hp = next(hn), gn = next(g), gp = next(gn);
     if (h / 3 == g / 3) return false;
-    // Of triangles a b c and b a d, c d replaces a b. In the plane a is at 0 and b at (l, 0).
+    // The triangles are a b c and b a d; c d replaces a b. In the plane a is at 0 and b at (l, 0).
     const double l = length_[h], bc = length_[hn], ca = length_[hp], ad = length_[gn], db = length_[gp];
     using Vector = Eigen::Vector2d;
     const Vector at_a(0, 0), at_b(l, 0),
