@@ -43,6 +43,10 @@ def lift(height):
     return {"do": "pose", "poses": {"top": {"translate": [0, 0, height]}}}
 
 
+def save_in(folder):
+    return {"do": "save", "edit": str(folder / "work.json"), "mesh": str(folder / "work.ply"), "overwrite": True}
+
+
 def height_of(page):
     handles = page.ask({"do": "state"})["handles"]
     return handles[0]["pose"].get("translate", [0, 0, 0])[2] if handles else None
@@ -60,16 +64,29 @@ def work_until_killed(engine, page, folder, counter):
             for _ in range(chance.randrange(3)):
                 page.send({"do": "drag", "poses": {"top": {"translate": [chance.random(), 0, 0]}}})
             if chance.random() < 0.1:
-                page.send({"do": "save", "edit": str(folder / "work.json"), "mesh": str(folder / "work.ply"),
-                           "overwrite": True})
+                page.send(save_in(folder))
             if chance.random() < 0.7:
                 acknowledged, number = waiting[-1]
                 page.reply_to(number)
+        if chance.random() < 0.2:  # a kill after which the model's journal has nothing to restore
+            page.ask(save_in(folder))
+            acknowledged = sent
     except Gone:
         pass
     engine.kill()
     page.close()
     return acknowledged, sent
+
+
+def restore(page):
+    """Restores the work that an earlier process left in the journal. Returns whether there was any."""
+    reply = page.reply_to(page.send({"do": "restore"}))
+    if "error" in reply:
+        assert reply["error"]["id"] == "editor.nothing_to_restore", reply
+        return False
+    if page.ask({"do": "state"})["undo"] == "remove_step":  # killed while it set up the step
+        page.ask({"do": "undo"})
+    return True
 
 
 def check_files(folder):
@@ -89,14 +106,11 @@ def kills_lose_nothing_that_was_acknowledged(folder):
             page = engine.page()
             page.ask({"do": "open", "path": str(folder / "bar.ply")})
             if number > 0:
-                try:
-                    page.ask({"do": "restore"})
-                    offered += 1
-                    if page.ask({"do": "state"})["undo"] == "remove_step":  # killed while it set up the step
-                        page.ask({"do": "undo"})
-                except AssertionError:  # nothing to restore, because all was saved
-                    if (folder / "work.json").exists():
-                        page.ask({"do": "open", "path": str(folder / "work.json")})
+                restored = restore(page)
+                if not restored and (folder / "work.json").exists():  # all of the model's journal was saved
+                    page.ask({"do": "open", "path": str(folder / "work.json")})
+                    restored = restore(page)
+                offered += restored
             height = height_of(page)
             if height is None:
                 assert acknowledged == 0, f"kill {number}: {acknowledged} is lost"
