@@ -51,7 +51,7 @@ def test_deform_refines_around_a_single_vertex_and_a_deformer_does_not():
     refined = mg.deform(sheet, **step, poses=poses)
     assert mg.Deformer(sheet, **step).positions(poses).tobytes() == plain.vertices.tobytes()
     bends = [mg.quality(sheet, mesh).dihedral_max_deg for mesh in (refined, plain)]
-    assert bends[0] < 0.7 * bends[1]
+    assert bends[0] < 0.9 * bends[1]
 
 
 def test_the_result_does_not_depend_on_threads(bar, ends):

@@ -7,15 +7,13 @@
 
 #include "components.h"
 #include "deform/solve/strip_width.h"
+#include "deform/solve/surface_fields.h"
 #include "operators/intrinsic_delaunay.h"
 #include "operators/laplacian.h"
 
 namespace meshgraft::distributed {
 
 namespace {
-
-/// The bending lengths of spread and of smoothed fields, × √(area without given values).
-constexpr double spreading_length_rel = 0.02, smoothing_bending_length_rel = 0.04;
 
 SparseRows diagonal(const std::vector<double>& values) {
   SparseRows matrix =

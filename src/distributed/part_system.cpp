@@ -8,6 +8,8 @@
 #include <meshgraft/core/error.h>
 
 #include "core/stopwatch.h"
+#include "deform/solve/fitted_field.h"
+#include "deform/solve/stiffness_edges.h"
 #include "deform/solve/vertex_solver.h"
 #include "linalg/sparse_products.h"
 #include "operators/density_scale.h"
@@ -139,6 +141,7 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
     if (options.operators.density != Density::aware) return 1.0;
     return density_scale(mean_edge_length_ / length) / density_scale(rows_->mean_edge_length() / length);
   };
+  const double of_integrals = mean_edge_length_ / rows_->mean_edge_length();
   const std::vector<double>& lengths = rows_->edge_lengths();
   std::vector<Index> own_rows;
   std::vector<double> scales;
@@ -161,27 +164,33 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
     if ((vertices.number(i) < vertices.number(j) ? i : j) >= own) continue;
     for (Index k = 0; k < rows_per_pair; ++k) {
       own_rows.push_back(static_cast<Index>(pair) * rows_per_pair + k);
-      scales.push_back(rescaled(0.5 * (lengths[i] + lengths[j])));
+      scales.push_back(rows_->intrinsic_edges() ? of_integrals : rescaled(0.5 * (lengths[i] + lengths[j])));
     }
   }
   take_over(P_, scaled_rows(rows_->P(), own_rows, scales));
 
   take_over(G_, multiply(rows_->H(), E_, one_thread));
   take_over(A_L_, difference_of_products({L_, E_}, {delta_, G_}, one_thread));
-  take_over(stiffness_, stiffness_rows(options));
+  list_edge_rows(options);
+  take_over(stiffness_, stiffness_rows());
   take_over(A_L_, stack(A_L_, multiply(stiffness_, E_, one_thread), one_thread));
   if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(options.operators.density), one_thread));
 }
 
-/// Returns rows w (x_i − x_j) of the edges with a free end, as `ConstrainedSystem` has them.
-SparseRows PartSystem::stiffness_rows(const DeformerOptions& options) {
+/// Lists the rows w (x_i − x_j) of the edges with a free end, as `ConstrainedSystem` does.
+void PartSystem::list_edge_rows(const DeformerOptions& options) {
+  if (options.method == DeformMethod::ft05 || options.stiffness <= 0) return;
   const double scale = options.operators.density == Density::aware ? mean_edge_length_ / region_size_ : 1.0;
-  const double stiffness = options.method == DeformMethod::ft05 ? 0 : options.stiffness;
   const Halo& vertices = part_.mesh.vertices;
-  for (Index i = 0; stiffness > 0 && i < vertices.own(); ++i)
-    for (const Index j : part_.mesh.rings[i])
-      if (vertices.number(i) < vertices.number(j) && (!part_.mask.position[i] || !part_.mask.position[j]))
-        edge_rows_.push_back({{i, j}, stiffness * scale});
+  visit_stiffness_edges(*rows_, options.stiffness * scale, [&](Index i, Index j, double weight) {
+    const Index first = vertices.number(i) < vertices.number(j) ? i : j;
+    if (first < vertices.own() && (!part_.mask.position[i] || !part_.mask.position[j]))
+      edge_rows_.push_back({{i, j}, weight});
+  });
+}
+
+/// Returns the rows of `edge_rows_`.
+SparseRows PartSystem::stiffness_rows() const {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
     entries.emplace_back(static_cast<int>(b), edge_rows_[b].ends[0], edge_rows_[b].weight);
@@ -265,7 +274,7 @@ void PartSystem::weigh_anchors() {
   compliance = compliance.cwiseMax(1e-3 * most);
   Eigen::VectorXd factors = Eigen::VectorXd::Ones(A_L_.rows());
   for (Eigen::Index a = 0; a < count; ++a) {
-    const double weight = anchors_[a].weight / std::sqrt(compliance[a]);
+    const double weight = anchor_share * anchors_[a].weight / std::sqrt(compliance[a]);
     factors[A_L_.rows() - count + a] = weight / anchor_weights_[a];
     anchor_weights_[a] = weight;
   }
@@ -307,7 +316,9 @@ PartSystem::Rows PartSystem::right_hand_side(const PartValues& values, const Par
     const Eigen::RowVector3d target = (anchors_[a].target->transpose() - part_.centre) / part_.scale;
     row += anchor_weights_[a] * (target - part_.points.row(v));
   }
-  const Columns wanted = field.maps.rows() == 0 || !field.smooth ? Columns(-m) : Columns(field.maps - m);
+  Columns wanted = -m;
+  if (field.maps.rows() > 0 && field.smooth)
+    wanted += FittedField(*rows_, rows_->H(), part_.mask)(field.maps, one_thread);
   rows.smoothness = multiply(P_, wanted, one_thread);
   return rows;
 }

@@ -65,7 +65,8 @@ class PartSystem {
   void build_operator(const DeformerOptions& options);
   std::vector<int> number_columns();
   void build_system(const std::vector<int>& column, const DeformerOptions& options);
-  SparseRows stiffness_rows(const DeformerOptions& options);
+  void list_edge_rows(const DeformerOptions& options);
+  SparseRows stiffness_rows() const;
   SparseRows anchor_rows(Density density);
   void factorise();
   void weigh_anchors();

@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "core/sparse_checks.h"
 #include "density_scale.h"
+#include "intrinsic_delaunay.h"
 #include "laplacian.h"
 #include "linalg/sparse.h"
 #include "local_maps.h"
@@ -71,9 +72,45 @@ AffineOperator::AffineOperator(const OperatorMesh& mesh, const ConstraintMask& m
   take_over(H_, local_map_operator(nodes_, rings_, mask, context));
   context.step("assemble", 0.4);
   build_laplacian_rows(points, triangles, options, flag_rows(mask, rings_, options.laplacian_order), context);
+  if (has_integral_rows(options)) {
+    intrinsic_edges_ =
+        std::make_shared<const IntrinsicEdges>(intrinsic_delaunay_edges(points, triangles, context));
+    build_integral_rows(map_places({points, normals, rings_, numbers}, context), mask, context);
+    return;
+  }
   pairs_ =
       smoothness_pairs(triangles, faces_at, rings_, flag_unknown_maps(mask), options.opposite_pairs, context);
   build_smoothness_rows(normals, options, context);
+}
+
+/// Builds the rows ℓ̄ √(12 w) (M_i − M_j) e_k of the intrinsic edges. The factor 12 is measured: it balances E_R
+/// with λ E_L and the stiffness (docs/method.md). The weight of cotangents is that of a difference between the
+/// edge's ends, but maps differ as their places do.
+void AffineOperator::build_integral_rows(const Points& places, const ConstraintMask& mask,
+                                         const Context& context) {
+  constexpr double least = 1.0 / 16, most = 4;  // of a weight's factor
+  const double scale = mean_edge_length_ * std::sqrt(12.0);
+  const Points& points = nodes_.positions;
+  std::vector<double> weights;
+  for (const auto& [ends, weight] : intrinsic_edges_->edges) {
+    const auto [i, j] = ends;
+    if (mask.transform[i] && mask.transform[j]) continue;
+    const double length = (points.row(i) - points.row(j)).squaredNorm();
+    const double between = (places.row(i) - places.row(j)).squaredNorm();
+    const double factor = between > 0 ? std::clamp(length / between, least, most) : most;
+    pairs_.push_back(ends);
+    weights.push_back(scale * std::sqrt(weight * factor));
+  }
+  context.throw_if_stopped();
+  take_over(P_, rows_of_lengths(std::vector<int>(3 * pairs_.size(), 2), 3 * rings_.size()));
+  for (std::size_t p = 0; p < pairs_.size(); ++p)
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t entry = 2 * (3 * p + static_cast<std::size_t>(k));
+      for (const std::size_t end : {0, 1}) {
+        P_.innerIndexPtr()[entry + end] = 3 * pairs_[p][end] + k;
+        P_.valuePtr()[entry + end] = end == 0 ? weights[p] : -weights[p];
+      }
+    }
 }
 
 /// Builds the rows of FT05 equation 9: (D x)_i − M_i δ_i, with D applied `laplacian_order` times on both
@@ -160,6 +197,7 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
 }
 
 SparseRows AffineOperator::coupling(const Context& context) const {
+  if (intrinsic_edges_) return multiply(transpose(P_, context), P_, context);
   const Index n = rings_.size();
   // Indexes the pairs by their second vertex; they are sorted by their first.
   IndexLists to_smaller;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -116,6 +117,33 @@ Centred fit_coefficients(const Stencil& stencil, const Eigen::JacobiSVD<Centred>
   return h;
 }
 
+/// Returns the place of a vertex's map minus the vertex.
+Eigen::Vector3d place_beside(const StencilSurface& surface, Index vertex) {
+  const std::span<const Index> ring = surface.rings[vertex];
+  const auto count = static_cast<double>(ring.size());
+  const auto offset = [&](Index s) -> Eigen::Vector3d {
+    return (surface.points.row(s) - surface.points.row(vertex)).transpose();
+  };
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double length = 0;
+  for (const Index s : ring) {
+    mean += offset(s) / count;
+    length += offset(s).norm() / count;
+  }
+  const Eigen::Vector3d apex = length * surface.normals.row(vertex).transpose() - mean;
+  Eigen::Matrix3d covariance = mean * mean.transpose() + apex * apex.transpose();
+  for (const Index s : ring) covariance += (offset(s) - mean) * (offset(s) - mean).transpose();
+  const Eigen::LDLT<Eigen::Matrix3d> solver(covariance);
+  if (!(solver.rcond() > 1e-9)) return Eigen::Vector3d::Zero();
+  const Eigen::Vector3d of_mean = solver.solve(apex - mean) / count;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  for (const Index s : ring) {
+    const Eigen::Vector3d d = offset(s), coefficients = solver.solve(d - mean) - of_mean;
+    place += coefficients.dot(d) / 3 * d;
+  }
+  return place;
+}
+
 }  // namespace
 
 StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintMask& mask,
@@ -162,6 +190,18 @@ StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintM
     }
   }
   return nodes;
+}
+
+Points map_places(const StencilSurface& surface, const Context& context) {
+  Points places = surface.points;
+  parallel_blocks(
+      static_cast<std::size_t>(surface.rings.size()),
+      [&](std::size_t begin, std::size_t end) {
+        for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i)
+          if (!surface.rings[i].empty()) places.row(i) += place_beside(surface, i).transpose();
+      },
+      context, 1024);
+  return places;
 }
 
 SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings, const ConstraintMask& mask,

@@ -36,6 +36,12 @@ StencilNodes make_stencil_nodes(const StencilSurface& surface, const ConstraintM
 SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings, const ConstraintMask& mask,
                               const Context& context = {});
 
+/// Returns the places (n×3) of the local maps. A map that is fitted to a lopsided ring is, to second order, the
+/// gradient at a place beside its vertex: p_i + ⅓ Σ_s (h_s·d_s) d_s over the ring, with d_s = p_s − p_i and the
+/// coefficients h_s of `local_map_operator`. It is p_i in a ring with a centre of symmetry. The place does not
+/// depend on which maps are known. It is p_i, too, where the ring spans no plane.
+Points map_places(const StencilSurface& surface, const Context& context = {});
+
 /// One vertex with its ring and its constrained transform W.
 struct ConstrainedStencil {
   Index vertex;

@@ -19,6 +19,10 @@ OperatorOptions OperatorOptions::as_published() {
           .laplacian_order = 1};
 }
 
+bool has_integral_rows(const OperatorOptions& options) {
+  return options.density == Density::aware && options.degenerate != DegenerateTreatment::ft05_noise;
+}
+
 void validate(const OperatorOptions& options) {
   require_between(options.apex_height_rel, 1e-3, 1e3, "apex_height_rel");
   require_between(options.noise_length_rel, 1e-3, 10, "noise_length_rel");

@@ -270,6 +270,7 @@ TEST(ConstrainedSystem, TheSolutionHasTheLeastEnergy) {
       const AffineOperator& op = *system.operators();
       const ConstrainedSystem::Known values = any_values(scene, 23);
       const MapField field = any_field(scene, 29);
+      const Columns fitted = FittedField(op, op.H(), system.mask())(field.smoothness, {});
       const std::vector<Eigen::Index> nodes = unknown_nodes(system);
       const Columns y = system.solve(values, field, {.corrections = 1}, {});
       const auto rows = [&](const Columns& unknowns) {
@@ -278,7 +279,7 @@ TEST(ConstrainedSystem, TheSolutionHasTheLeastEnergy) {
           x.row(nodes[k]) += unknowns.row(static_cast<Eigen::Index>(k));
         const Columns m = system.maps(unknowns, values, {});
         const Columns laplacian = multiply(op.L(), x) - multiply(op.delta(), m);
-        const Columns smoothness = multiply(op.P(), Columns(m - field.smoothness));
+        const Columns smoothness = multiply(op.P(), Columns(m - fitted));
         Columns all(laplacian.rows() + smoothness.rows(), 3);
         all << laplacian, smoothness;
         return all;

@@ -6,6 +6,7 @@
 
 #include <meshgraft/deform/deformer.h>
 
+#include "operators/intrinsic_delaunay.h"
 #include "support/mesh_families.h"
 #include "support/oracle.h"
 #include "support/variants.h"
@@ -104,6 +105,8 @@ Solved solve(const Scene& scene, const Setting& setting) {
   problem.apex = setting.operators.degenerate != DegenerateTreatment::ft05_noise;
   problem.apex_height_rel = setting.operators.apex_height_rel;
   if (!problem.apex) problem.moved = moved_positions(deformer, mesh.positions);
+  for (const auto& [ends, weight] : intrinsic_delaunay_edges(mesh.positions, mesh.triangles).edges)
+    problem.edges.push_back({ends[0], ends[1], weight});
   return solved;
 }
 

@@ -111,7 +111,7 @@ TEST(EditFile, AppliesTheDocumentedDefaults) {
   EXPECT_EQ(step.settings.deformer.method, DeformMethod::corotational);
   EXPECT_EQ(step.settings.deformer.stiffness, 60);
   EXPECT_EQ(step.settings.deformer.iterations, 20);
-  EXPECT_EQ(step.settings.deformer.smoothing_length_rel, 0.05);
+  EXPECT_EQ(step.settings.deformer.smoothing_length_rel, 0.04);
   const HandleSpec& only = step.handles.at(0);
   EXPECT_EQ(only.shape, HandleShape::region);
   EXPECT_TRUE(only.constrain_position && only.constrain_transform);

@@ -43,6 +43,7 @@ Oracle::Oracle(OracleProblem problem) : problem_(std::move(problem)) {
   measure_surface();
   if (problem_.noise_seed) add_noise(*problem_.noise_seed);
   set_weights();
+  if (is_integral()) weigh_edges();
   widen_stencils();
   fit_at_rest();
   build_jacobian();
@@ -64,7 +65,7 @@ void Oracle::find_rings_and_pairs() {
       for (Index b : corners)
         if (a < b) pairs.insert({a, b});
   }
-  for (const auto& [i, j] : pairs) pairs_.push_back({i, j});
+  for (const auto& [i, j] : pairs) pairs_.push_back({i, j, 0});
 }
 
 void Oracle::measure_surface() {
@@ -104,6 +105,35 @@ void Oracle::set_weights() {
       sum += w;
     }
     for (double& w : weight_[i]) w = sum > 0 ? w / sum : 1.0 / static_cast<double>(ring_[i].size());
+  }
+}
+
+// The place of the map that is fitted to a vertex, its ring and a point above it.
+Vector3d Oracle::place(Index i) const {
+  const auto count = static_cast<Eigen::Index>(ring_[i].size());
+  MatrixXd stencil(count + 2, 3);
+  stencil.row(0) = p_.row(i);
+  for (Eigen::Index k = 0; k < count; ++k) stencil.row(k + 1) = p_.row(ring_[i][static_cast<std::size_t>(k)]);
+  stencil.row(count + 1) = p_.row(i) + mean_edge_[i] * normal_.row(i);
+  const Eigen::RowVector3d mean = stencil.middleRows(1, count).colwise().mean();
+  MatrixXd unit = MatrixXd::Identity(count + 2, count + 2);
+  unit.middleCols(1, count).array() -= 1.0 / static_cast<double>(count);
+  const MatrixXd h = Fit(stencil.rowwise() - mean).solve(unit);
+  Vector3d at = p_.row(i).transpose();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Vector3d d = (stencil.row(k + 1) - stencil.row(0)).transpose();
+    at += h.col(k + 1).dot(d) / 3 * d;
+  }
+  return at;
+}
+
+// E_R = 12 ℓ̄² Σ w_ij ‖M_i − M_j‖², with the weights of cotangents × |p_i − p_j|² / the squared distance of the
+// maps' places, within 1/16 … 4.
+void Oracle::weigh_edges() {
+  pairs_.clear();
+  for (const auto& [i, j, cotangents] : problem_.edges) {
+    const double length = (p_.row(i) - p_.row(j)).squaredNorm(), between = (place(i) - place(j)).squaredNorm();
+    pairs_.push_back({i, j, cotangents * std::clamp(length / between, 1.0 / 16, 4.0)});
   }
 }
 
@@ -163,6 +193,7 @@ Eigen::RowVectorXd Oracle::umbrella(Index i, const MatrixXd& x) const {
 std::vector<Vector3d> Oracle::directions(const Pair& pair) const {
   const Vector3d d = (p_.row(pair.i) - p_.row(pair.j)).transpose();
   if (!problem_.apex) return {d};
+  if (is_integral()) return {Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
   const Vector3d a = normal_.row(pair.i).transpose(), b = normal_.row(pair.j).transpose();
   // Nearly opposite normals have no mean direction, so one of them is reversed.
   const Vector3d n = a.dot(b) < -0.6 ? Vector3d(a - b) : Vector3d(a + b);
@@ -176,6 +207,7 @@ double Oracle::row_scale(Index i) const {
 }
 
 double Oracle::row_scale(const Pair& pair) const {
+  if (is_integral()) return std::sqrt(6 * pair.weight);  // and √2 for both orders of a pair
   return problem_.density == Density::ft05 ? 1.0 : 2.0 / (mean_edge_[pair.i] + mean_edge_[pair.j]);
 }
 
@@ -206,7 +238,7 @@ MatrixXd Oracle::rows(const MatrixXd& x, const MatrixXd& a, bool homogeneous) co
   for (Index i = 0; i < count_; ++i)
     if (!ring_[i].empty()) map[i] = local_map(i, x, a, homogeneous);
 
-  const Eigen::Index per_pair = problem_.apex ? 2 : 1;
+  const Eigen::Index per_pair = is_integral() ? 3 : problem_.apex ? 2 : 1;
   MatrixXd result(count_ + per_pair * static_cast<Eigen::Index>(pairs_.size()), x.cols());
   // Equation 9: E_L = Σ_i ‖ (x_i − Σ_j w_ij x_j) − M_i δ_i ‖².
   for (Index i = 0; i < count_; ++i) {

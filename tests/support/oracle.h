@@ -15,6 +15,12 @@
 
 namespace meshgraft::test {
 
+/// An edge of the intrinsic Delaunay triangulation.
+struct OracleEdge {
+  Index i, j;
+  double cotangents;  ///< ½(cot α + cot β)
+};
+
 /// The data that the energy depends on.
 struct OracleProblem {
   Points rest;                  ///< n×3
@@ -26,14 +32,15 @@ struct OracleProblem {
   std::vector<VertexConstraint> constraints;  ///< as for Deformer; all other vertices are free
   WeightScheme weights = WeightScheme::uniform;
   Density density = Density::ft05;
-  double laplacian_weight = 1;   ///< λ of λ E_L + E_R
-  bool apex = false;             ///< the virtual apex; else plain stencils
-  double apex_height_rel = 0.5;  ///< × mean incident edge
+  std::vector<OracleEdge> edges;  ///< of E_R, with `apex` and `Density::aware`
+  double laplacian_weight = 1;    ///< λ of λ E_L + E_R
+  bool apex = false;              ///< the virtual apex; else plain stencils
+  double apex_height_rel = 0.5;   ///< × mean incident edge
 };
 
 /// The method's energy, λ E_L + E_R (Fu & Tai 2005, equations 9 and 11), implemented from the equations as a
 /// reference. It shares no code with the library: QR fits every local map to given final positions, and the two
-/// sums are evaluated literally.
+/// sums are evaluated literally. With apexes and `Density::aware`, E_R is the integral of docs/method.md.
 class Oracle {
  public:
   explicit Oracle(OracleProblem problem);
@@ -73,12 +80,16 @@ class Oracle {
  private:
   struct Pair {
     Index i, j;
+    double weight = 0;  ///< w_ij, where E_R is an integral
   };
   using Fit = Eigen::HouseholderQR<Eigen::MatrixXd>;
 
   void find_rings_and_pairs();
   void measure_surface();
   void set_weights();
+  void weigh_edges();
+  Eigen::Vector3d place(Index i) const;
+  bool is_integral() const { return problem_.apex && problem_.density == Density::aware; }
   void add_noise(std::uint64_t seed);
   void widen_stencils();
   void fit_at_rest();

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "operators/intrinsic_delaunay.h"
 #include "support/mesh_families.h"
 #include "support/oracle.h"
 
@@ -127,6 +128,8 @@ void for_each_problem(const Eigen::Affine3d& foot, const Eigen::Affine3d& head, 
         problem.weights = weights;
         problem.density = density;
         problem.apex = true;
+        for (const auto& [ends, weight] : intrinsic_delaunay_edges(mesh.positions, mesh.triangles).edges)
+          problem.edges.push_back({ends[0], ends[1], weight});
         check(mesh, problem);
       }
 }

@@ -183,7 +183,7 @@ struct DeformerOptions {
   double stiffness = 60;
   int iterations = 20;  ///< largest number of co-rotational iterations
   /// Length over which the co-rotational field is smoothed, × the width of the surface between constraints.
-  double smoothing_length_rel = 0.05;
+  double smoothing_length_rel = 0.04;
   // The operator.
   OperatorOptions operators{};
   // The solve.

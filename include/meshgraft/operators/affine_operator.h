@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,8 @@
 #include <meshgraft/mesh/topology.h>
 
 namespace meshgraft {
+
+struct IntrinsicEdges;
 
 /// Ring weights w_ij (FT05 equation 2).
 enum class WeightScheme { uniform, cotangent };
@@ -46,7 +49,8 @@ struct OperatorOptions {
   std::uint64_t seed = 1;  ///< seed of the noise's sides and lengths
   /// Weight λ of the energy λ E_L + E_R; 1 in FT05 (docs/method.md explains the default).
   double laplacian_weight = 20;
-  /// E_R also has the pairs of vertices that are opposite each other across an edge, as in FT05 (its set SF).
+  /// Rows of E_R as in FT05, (M_i − M_j)(p_i − p_j), are also made for the pairs of vertices that are opposite
+  /// each other across an edge (its set SF). `has_integral_rows` tells where such rows are used.
   bool opposite_pairs = true;
   int laplacian_order = 1;  ///< 1 = FT05's umbrella; 2, 3: higher-order Laplacian in E_L (section 6)
 
@@ -54,6 +58,10 @@ struct OperatorOptions {
   /// change.
   static OperatorOptions as_published();
 };
+
+/// Returns whether the rows of E_R are √w (M_i − M_j) over the intrinsic Delaunay triangulation. They are under
+/// `Density::aware` with apexes. Otherwise they are FT05's.
+bool has_integral_rows(const OperatorOptions& options);
 
 /// Throws Error(input) with the id core.out_of_range, at the field, if a value is out of its range.
 void validate(const OperatorOptions& options);
@@ -129,9 +137,12 @@ struct StencilNodes {
 /// order. Every row is the same for the coordinates x, y and z. Substituting m gives the one matrix
 /// A = [L − Δ H; P H].
 ///
-/// Under `Density::aware` rows are scaled by ℓ̄/ℓ (within 1e±3), so that E_L and E_R approximate integrals
-/// over the surface. In E_L ℓ is ℓ_i, the mean length of the edges at i; in E_R it is (ℓ_i + ℓ_j)/2. ℓ̄ is
-/// the mean of all ℓ_i. See docs/method.md.
+/// Under `Density::aware` E_L and E_R approximate integrals over the surface. Rows of E_L are scaled by ℓ̄/ℓ_i
+/// (within 1e±3), where ℓ_i is the mean length of the edges at i, and ℓ̄ the mean of all ℓ_i. With apexes E_R is
+/// 12 ℓ̄² Σ w_ij ‖M_i − M_j − (R_i − R_j)‖² over the edges of the intrinsic Delaunay triangulation, which
+/// approximates 12 ℓ̄² ∫ ‖∂(M − R)‖². w_ij is the weight of cotangents × |p_i − p_j|² over the squared distance
+/// between the places of the two maps (within 1/16 … 4). With `ft05_noise` the rows are FT05's, scaled by
+/// 2 ℓ̄/(ℓ_i + ℓ_j). See docs/method.md.
 class AffineOperator {
  public:
   /// Makes the rows of a mesh without constraints. `points` is n×3, `triangles` m×3. Throws Error(input) for
@@ -149,6 +160,9 @@ class AffineOperator {
   const SparseRows& H() const { return H_; }          ///< 3n × nodes
   const SparseRows& P() const { return P_; }          ///< rows of E_R × 3n
   const std::vector<std::array<Index, 2>>& pairs() const { return pairs_; }
+  /// Returns the edges of the intrinsic Delaunay triangulation with their weights, or null without
+  /// `has_integral_rows`.
+  const std::shared_ptr<const IntrinsicEdges>& intrinsic_edges() const { return intrinsic_edges_; }
   const IndexLists& rings() const { return rings_; }
   const std::vector<double>& edge_lengths() const { return edge_lengths_; }  ///< ℓ_i, n
   double mean_edge_length() const { return mean_edge_length_; }              ///< ℓ̄
@@ -166,12 +180,14 @@ class AffineOperator {
   void build_laplacian_rows(const Points& points, const Triangles& triangles, const OperatorOptions& options,
                             const Flags& rows, const Context& context);
   void build_smoothness_rows(const Points& normals, const OperatorOptions& options, const Context& context);
+  void build_integral_rows(const Points& places, const ConstraintMask& mask, const Context& context);
 
   IndexLists rings_;
   std::vector<double> edge_lengths_;
   double mean_edge_length_ = 0;
   StencilNodes nodes_;
   std::vector<std::array<Index, 2>> pairs_;
+  std::shared_ptr<const IntrinsicEdges> intrinsic_edges_;
   SparseRows L_, delta_, H_, P_;
 };
 

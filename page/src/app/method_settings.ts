@@ -85,7 +85,7 @@ export const settingsTable: readonly Setting[] = [
     help: "How strongly edges keep their lengths. 0 bends most evenly.",
   },
   {
-    key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", defaultValue: 0.05, published: 0.09, min: 0, max: 10,
+    key: "smoothing_length_rel", kind: "number", label: "Smoothing", group: "shape", defaultValue: 0.04, published: 0.09, min: 0, max: 10,
     softMax: 1, applies: isCorotational,
     help: "Spreads a bend that would crease. A length, relative to the width of the surface between the handles.",
   },

@@ -27,7 +27,7 @@ std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& option
   const bool noise = options.operators.degenerate == DegenerateTreatment::ft05_noise;
   if (options.backend == SolverBackend::iterative) return std::llround((noise ? 1150 : 1450) * n);
   if (by_eigen(options.backend)) return std::llround((noise ? 230 : 600) * std::pow(n / 1000, 0.2) * n_log_n);
-  return std::llround((noise ? 280 : 800) * n_log_n);
+  return std::llround((noise ? 280 : 560) * n_log_n);
 }
 
 namespace {

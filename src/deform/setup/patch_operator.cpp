@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 #include <span>
 #include <utility>
 
@@ -19,6 +20,17 @@ bool beside_others(Index vertex, const Triangles& triangles, std::span<const Ind
     return std::any_of(triangles.row(t).begin(), triangles.row(t).end(),
                        [&](Index w) { return feature[w] != feature[vertex]; });
   });
+}
+
+/// Returns whether two triangulations have the same edges with the same weights at the vertices with unknown
+/// maps.
+bool same_at_unknown_maps(const IntrinsicEdges& a, const IntrinsicEdges& b, const ConstraintMask& mask) {
+  const auto counts = [&](const CotangentEdge& edge) {
+    return !mask.transform[edge.ends[0]] || !mask.transform[edge.ends[1]];
+  };
+  return std::ranges::equal(
+      a.edges | std::views::filter(counts), b.edges | std::views::filter(counts),
+      [](const CotangentEdge& x, const CotangentEdge& y) { return x.ends == y.ends && x.weight == y.weight; });
 }
 
 }  // namespace
@@ -86,7 +98,10 @@ PatchOperator::PatchOperator(const CutPatch& cut, const ConstraintMask& mask, co
       rows_(OperatorMesh{cut.patch.points, cut.patch.triangles, cut.patch.vertices}, mask, options, context),
       P_transposed_(transpose(rows_.P(), context)) {}
 
-bool PatchOperator::serves(const ConstraintMask& mask) const {
+bool PatchOperator::serves(const ConstraintMask& mask, const IntrinsicEdges* edges) const {
+  if (edges != nullptr && rows_.intrinsic_edges() &&
+      !same_at_unknown_maps(*edges, *rows_.intrinsic_edges(), mask))
+    return false;
   const bool moves = options_.degenerate == DegenerateTreatment::ft05_noise;
   const StencilNodes& nodes = rows_.nodes();
   for (Index v = 0; v < mask_.size(); ++v) {

@@ -11,6 +11,7 @@
 #include <meshgraft/mesh/topology.h>
 #include <meshgraft/operators/affine_operator.h>
 
+#include "operators/intrinsic_delaunay.h"
 #include "patch.h"
 
 namespace meshgraft {
@@ -68,8 +69,8 @@ class PatchOperator {
 
   /// Returns whether the rows are valid for a system with this mask. Every unknown must have had rows
   /// made for it. A vertex that was moved off its plane must still be movable. No direction may depend on a
-  /// former unknown.
-  bool serves(const ConstraintMask& mask) const;
+  /// former unknown. `edges` are the intrinsic edges that a set-up alone would have, or null for the same ones.
+  bool serves(const ConstraintMask& mask, const IntrinsicEdges* edges = nullptr) const;
   /// Returns whether the rows of the part, set up alone, would be multiples of these rows by one common
   /// factor.
   bool serves(const PatchPart& part, const Patch& patch) const;

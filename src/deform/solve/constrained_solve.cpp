@@ -37,21 +37,19 @@ Eigen::Index ConstrainedSystem::row_count() const {
   return solver_ ? A_L_.rows() + operators_->rows().P().rows() : 0;
 }
 
-namespace {
-
 /// Returns the target of the maps' unknown part in the E_R rows: the field less the known part.
-Columns wanted_maps(const Columns& known, const MapField& field) {
-  return field.smoothness.rows() == 0 ? Columns(-known) : Columns(field.smoothness - known);
+Columns ConstrainedSystem::wanted_maps(const Columns& known, const MapField& field,
+                                       const Context& context) const {
+  if (field.smoothness.rows() == 0) return -known;
+  return fitted_field()(field.smoothness, context) - known;
 }
-
-}  // namespace
 
 /// Returns the part of b that is linear in values and field. Anchors pull toward rest in it.
 ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
   const Columns m = multiply(H(), values.x, context) + values.m;
   return {laplacian_rows(values, m, field, context),
-          multiply(operators_->rows().P(), wanted_maps(m, field), context)};
+          multiply(operators_->rows().P(), wanted_maps(m, field, context), context)};
 }
 
 /// Returns the rows of E_L, stiffness and anchors. `m` holds the maps that the known values give.
@@ -145,7 +143,7 @@ Columns ConstrainedSystem::respond(const Known& values, const MapField& field, c
                                    const Context& context) const {
   const Columns m = multiply(H(), values.x, context) + values.m;
   Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
-  rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field), context), context);
+  rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field, context), context), context);
   const Eigen::MatrixXd sides = rhs;
   context.throw_if_stopped();
   const Eigen::MatrixXd solution = solver_->solve(sides, context);
@@ -161,7 +159,12 @@ SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, c
   const Index n = patch().size();
   SparseRows along(3 * n, n);
   std::vector<Eigen::Triplet<double>> of_maps, of_edge_rows;
-  for (Index v = 0; v < n; ++v) of_maps.emplace_back(3 * v + axis, v, 1.0);
+  const FittedField fitted = fitted_field();
+  for (Index v = 0; v < n; ++v)
+    for (int k = 0; k < 3; ++k)
+      fitted.visit(v, k, [&](Index of, int a, double weight) {
+        if (a == axis) of_maps.emplace_back(3 * v + k, of, weight);
+      });
   along.setFromTriplets(of_maps.begin(), of_maps.end());
   const SparseRows smoothness = multiply(G_transposed_, multiply(coupling, along, context), context);
   if (edge_rows_.empty()) return smoothness;

@@ -11,6 +11,7 @@
 #include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
 #include "rotations.h"
+#include "stiffness_edges.h"
 
 namespace meshgraft {
 
@@ -33,8 +34,9 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
   if (patch().size() > 0) {
     if (!operators_) build_operator(options.operators, context);
     region_size_ = std::sqrt(free_area());
-    if (options.method != DeformMethod::ft05)
-      intrinsic_edges_ = intrinsic_delaunay_edges(patch().points, triangles(), context);
+    if (!intrinsic_edges_ && options.method != DeformMethod::ft05)
+      intrinsic_edges_ = std::make_shared<const IntrinsicEdges>(
+          intrinsic_delaunay_edges(patch().points, triangles(), context));
     build_system(options.operators.density, options.method == DeformMethod::ft05 ? 0 : options.stiffness,
                  context);
     summary.degenerate_vertices = count_degenerate();
@@ -58,13 +60,20 @@ bool ConstrainedSystem::share(const ConstrainedSystem& other, const ConstrainedM
   const PatchOperator& operators = *other.operators_;
   const IndexLists& all_rings = operators.rows().rings();
   std::optional<PatchPart> part = part_around(cut, *active, all_rings, context);
-  if (part && (2 * part->size < cut.patch.size() || !operators.serves(*part, cut.patch))) return false;
+  if (part && 2 * part->size < cut.patch.size()) return false;
+  if (!part) {
+    intrinsic_edges_ = other.intrinsic_edges_;
+  } else if (other.intrinsic_edges_) {
+    intrinsic_edges_ = std::make_shared<const IntrinsicEdges>(
+        intrinsic_delaunay_edges(cut.patch.points, part->triangles, context));
+  }
+  if (part && !operators.serves(*part, cut.patch)) return false;
 
   cut_ = other.cut_;
   restrict_to_patch(mesh);
   const IndexLists& rings = part ? part->rings : all_rings;
   fix_unconstrained_components(rings, mask_);
-  if (!operators.serves(mask_)) {
+  if (!operators.serves(mask_, part ? intrinsic_edges_.get() : nullptr)) {
     anchors_.clear();
     return false;
   }
@@ -88,6 +97,7 @@ void ConstrainedSystem::build_operator(const OperatorOptions& options, const Con
   fix_unconstrained_components(rings, mask_);
   require_solvable(patch(), rings, mask_);
   operators_ = std::make_shared<PatchOperator>(*cut_, mask_, options, context);
+  intrinsic_edges_ = operators_->rows().intrinsic_edges();
 }
 
 Index ConstrainedSystem::count_degenerate() const {
@@ -110,20 +120,23 @@ double ConstrainedSystem::free_area() const {
   return area > 0 ? area : 1;
 }
 
-/// Returns rows w (x_i − x_j) of the edges with a free end; their right-hand side is w
-/// ½(F_i + F_j)(p_i − p_j). With `aware` their sum of squares approximates μ²/D² ∫ ‖∂x − F‖², where D is the
-/// region's size. E_R approximates ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of
-/// the two.
-SparseRows ConstrainedSystem::stiffness_rows(Density density, double stiffness) {
+/// Lists the rows w (x_i − x_j) of the edges with a free end; their right-hand side is w ½(F_i + F_j)(p_i −
+/// p_j). With `aware` their sum of squares approximates 2 √3 μ² ℓ̄²/D² ∫ ‖∂x − F‖², where D is the region's
+/// size. E_R approximates 12 ℓ̄² ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of the
+/// two.
+void ConstrainedSystem::list_edge_rows(Density density, double stiffness) {
+  if (stiffness <= 0) return;
   const AffineOperator& op = operators_->rows();
   const double scale = density == Density::aware ? op.mean_edge_length() / region_size_ : 1.0;
-  if (stiffness > 0) {
-    for (Index i = 0; i < patch().size(); ++i)
-      for (const Index j : op.rings()[i])
-        if (i < j && (!mask_.position[i] || !mask_.position[j]) &&
-            (mask_.feature[i] < 0 || mask_.feature[i] != mask_.feature[j]))
-          edge_rows_.push_back({{i, j}, stiffness * scale});
-  }
+  visit_stiffness_edges(op, stiffness * scale, [&](Index i, Index j, double weight) {
+    if ((!mask_.position[i] || !mask_.position[j]) &&
+        (mask_.feature[i] < 0 || mask_.feature[i] != mask_.feature[j]))
+      edge_rows_.push_back({{i, j}, weight});
+  });
+}
+
+SparseRows ConstrainedSystem::stiffness_rows() const {
+  const AffineOperator& op = operators_->rows();
   SparseRows rows(static_cast<Eigen::Index>(edge_rows_.size()), op.nodes().positions.rows());
   if (edge_rows_.empty()) return rows;  // Eigen's makeCompressed fails on a matrix without rows
   rows.reserve(std::vector<int>(edge_rows_.size(), 2));
@@ -212,7 +225,8 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   take_over(A_L_, difference_of_products({op.L(), E_}, {op.delta(), G_}, context));
   context.throw_if_stopped();
 
-  take_over(stiffness_rows_, stiffness_rows(density, stiffness));
+  list_edge_rows(density, stiffness);
+  take_over(stiffness_rows_, stiffness_rows());
   context.throw_if_stopped();
   take_over(A_L_, stack(A_L_, multiply(stiffness_rows_, E_, context), context));
   context.throw_if_stopped();
@@ -223,8 +237,9 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
 }
 
 /// Scales each anchor's row so that weight 1 is as stiff as the rest of the energy is against moving the
-/// anchors: where a unit force on all of them moves one by c, its row has the weight w/√c. Motions like that
-/// response are halved by weight 1, whatever the tessellation and the region. The system must be factorised.
+/// anchors: where a unit force on all of them moves one by c, its row has the weight 0.95 w/√c. Motions like
+/// that response are halved by weight 1, whatever the tessellation and the region. The system must be
+/// factorised.
 void ConstrainedSystem::weigh_anchors(const Context& context) {
   const auto count = static_cast<Eigen::Index>(anchors_.size());
   const Eigen::Map<const Eigen::VectorXd> small(anchor_weights_.data(), count);
@@ -234,7 +249,7 @@ void ConstrainedSystem::weigh_anchors(const Context& context) {
   compliance = compliance.cwiseMax(1e-3 * compliance.maxCoeff());
   Eigen::VectorXd factors = Eigen::VectorXd::Ones(A_L_.rows());
   for (Eigen::Index a = 0; a < count; ++a) {
-    const double weight = anchors_[a].weight / std::sqrt(compliance[a]);
+    const double weight = anchor_share * anchors_[a].weight / std::sqrt(compliance[a]);
     factors[A_L_.rows() - count + a] = weight / anchor_weights_[a];
     anchor_weights_[a] = weight;
   }

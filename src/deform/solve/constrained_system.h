@@ -13,6 +13,7 @@
 #include "deform/setup/patch_operator.h"
 #include "deform/setup/region_mask.h"
 #include "deform/setup/solvability.h"
+#include "fitted_field.h"
 #include "linalg/sparse.h"
 #include "operators/intrinsic_delaunay.h"
 
@@ -21,7 +22,7 @@ namespace meshgraft {
 /// Maps F_v per vertex of the patch for the right-hand side, minus I: rows 3v … 3v+2 are (F_v − I)ᵀ. A field
 /// without rows stands for I everywhere.
 struct MapField {
-  Columns smoothness;  ///< for E_R: (M_i − M_j) d = (F_i − F_j) d
+  Columns smoothness;  ///< for E_R, whose rows want M_i − M_j = F̃_i − F̃_j with F̃ of `FittedField`
   Columns stretch;     ///< for the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
 };
 
@@ -128,8 +129,8 @@ class ConstrainedSystem {
   const std::vector<Index>& free_vertices() const { return free_; }
   const std::vector<Anchor>& anchors() const { return anchors_; }  ///< at vertices with an unknown position
   int residual_corrections() const { return residual_corrections_; }
-  /// Returns the intrinsic Delaunay triangulation of `triangles`, empty for the linear method.
-  const IntrinsicEdges& intrinsic_edges() const { return intrinsic_edges_; }
+  /// Returns the intrinsic Delaunay triangulation of `triangles`. The linear method does not need it.
+  const IntrinsicEdges& intrinsic_edges() const { return *intrinsic_edges_; }
   /// Returns the bisection of the patch's rings, for other systems over the same rings.
   const std::shared_ptr<BisectionTree>& bisection() const { return bisection_; }
   /// Returns null if nothing is free. In a shared operator, `H` has rows for maps that are known here.
@@ -142,7 +143,8 @@ class ConstrainedSystem {
   void build_operator(const OperatorOptions& options, const Context& context);
   void build_system(Density density, double stiffness, const Context& context);
   double free_area() const;
-  SparseRows stiffness_rows(Density density, double stiffness);
+  void list_edge_rows(Density density, double stiffness);
+  SparseRows stiffness_rows() const;
   SparseRows anchor_rows(Density density);
   void prepare_similarities(const Context& context);
   Eigen::Index shared_row(Eigen::Index s) const;
@@ -160,6 +162,8 @@ class ConstrainedSystem {
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
   Columns laplacian_rows(const Known& values, const Columns& m, const MapField& field,
                          const Context& context) const;
+  FittedField fitted_field() const { return {operators_->rows(), H(), mask_}; }
+  Columns wanted_maps(const Columns& known, const MapField& field, const Context& context) const;
   void add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows) const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
@@ -184,10 +188,10 @@ class ConstrainedSystem {
     double weight;
   };
   std::vector<EdgeRow> edge_rows_;
-  IntrinsicEdges intrinsic_edges_;
-  SparseRows stiffness_rows_;           ///< rows × nodes
-  std::vector<Anchor> anchors_;         ///< at vertices with an unknown position
-  std::vector<double> anchor_weights_;  ///< per anchor: weight of its row
+  std::shared_ptr<const IntrinsicEdges> intrinsic_edges_;  ///< of `triangles`; null where nothing needs it
+  SparseRows stiffness_rows_;                              ///< rows × nodes
+  std::vector<Anchor> anchors_;                            ///< at vertices with an unknown position
+  std::vector<double> anchor_weights_;                     ///< per anchor: weight of its row
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
   std::unique_ptr<LinearSolver> solver_;
   std::shared_ptr<BisectionTree> bisection_ = std::make_shared<BisectionTree>();  ///< of the patch's rings

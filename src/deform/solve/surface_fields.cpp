@@ -43,9 +43,6 @@ Eigen::MatrixXd negated(const Columns& values, const Context& context) {
   return result;
 }
 
-/// The bending length of smoothed fields, × √(area without given values).
-constexpr double smoothing_bending_length_rel = 0.04;
-
 /// Returns a millionth of the mean area of the vertices with a ring.
 double smallest_area_of(const std::vector<double>& areas, const IndexLists& rings) {
   double total = 0;

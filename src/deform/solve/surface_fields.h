@@ -36,10 +36,13 @@ struct BendingMatrix {
   BendingMatrix(const FieldSurface& surface, const Context& context);
 };
 
+/// The bending lengths of spread and of smoothed fields, × √(area without given values) of each component.
+inline constexpr double spreading_length_rel = 0.01, smoothing_bending_length_rel = 0.04;
+
 struct SurfaceFieldOptions {
   /// The bending length t of `spread`, × √(area without given values) of each component. Absent: fields bend
   /// only, as if t were infinite.
-  std::optional<double> bending_length_rel = 0.02;
+  std::optional<double> bending_length_rel = spreading_length_rel;
   /// The smoothing length ℓ, × the width of the surface between vertices with given values. Absent: `smooth`
   /// must not be called.
   std::optional<double> smoothing_length_rel{};
