@@ -45,7 +45,7 @@ RepairOptions repair_of_holes() {
 PrintFinding parse_print_finding(const json::Value& value) {
   using enum PrintFinding;
   return value.choice<PrintFinding>({{"open-edges", open_edges},
-                                     {"crowded-edges", crowded_edges},
+                                     {"non-manifold-edges", non_manifold_edges},
                                      {"turned-edges", turned_edges},
                                      {"intersections", intersections},
                                      {"thin-walls", thin_walls},

@@ -139,7 +139,7 @@ Marks marks_of(const Mesh& mesh, const PrintCheck& check, PrintFinding finding) 
   };
   switch (finding) {
     case PrintFinding::open_edges: mark_lines(check.open_edges); break;
-    case PrintFinding::crowded_edges: mark_lines(check.crowded_edges); break;
+    case PrintFinding::non_manifold_edges: mark_lines(check.non_manifold_edges); break;
     case PrintFinding::turned_edges: mark_lines(check.turned_edges); break;
     case PrintFinding::intersections: mark_triangles(triangles_in(check.intersections)); break;
     case PrintFinding::thin_walls: mark_triangles(check.thin); break;

@@ -29,7 +29,7 @@ struct Marks {
 Marks marks_of(const Object& object, const Finding& finding);
 
 /// The findings of a print check that have places.
-enum class PrintFinding { open_edges, crowded_edges, turned_edges, intersections, thin_walls, overhangs };
+enum class PrintFinding { open_edges, non_manifold_edges, turned_edges, intersections, thin_walls, overhangs };
 
 /// Returns the places of a finding on the mesh that was checked.
 Marks marks_of(const Mesh& mesh, const PrintCheck& check, PrintFinding finding);

@@ -19,7 +19,7 @@ Json print_json(const PrintCheck& check) {
           {"inside_out", check.inside_out},
           {"holes", check.holes},
           {"open_edges", check.open_edges.size()},
-          {"crowded_edges", check.crowded_edges.size()},
+          {"non_manifold_edges", check.non_manifold_edges.size()},
           {"turned_edges", check.turned_edges.size()},
           {"intersections", check.intersections.size()},
           {"thinnest_wall", check.thinnest_wall ? Json(*check.thinnest_wall) : Json()},

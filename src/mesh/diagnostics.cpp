@@ -214,7 +214,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   const EdgeTable table(vertices, mesh.faces, context);
   context.step("check", 0.6);
   const std::vector<Index> fans = fan_counts(mesh, table);
-  const auto crowded = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
+  const auto non_manifold = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
   const auto against =
       where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
   add(FindingKind::isolated_vertex, Severity::worked_around, Domain::vertex,
@@ -222,7 +222,7 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
   add(FindingKind::duplicate_vertex, Severity::worked_around, Domain::vertex,
       counted<facts::mesh::DuplicateVertex>, open_seam_vertices(mesh, table));
   add(FindingKind::non_manifold_edge, Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
-      ends_of(table, crowded), crowded.size());
+      ends_of(table, non_manifold), non_manifold.size());
   add(FindingKind::non_manifold_vertex, Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
       where(vertices, [&](Index v) { return fans[v] > 1; }));
   add(FindingKind::duplicate_face, Severity::info, Domain::face, counted<facts::mesh::DuplicateFace>,

@@ -43,7 +43,7 @@ TEST(PrintCheck, MeasuresABox) {
   EXPECT_NEAR(*check.volume, 3, 1e-12);
   EXPECT_FALSE(check.inside_out);
   EXPECT_EQ(check.holes, 0);
-  EXPECT_TRUE(check.open_edges.empty() && check.crowded_edges.empty() && check.turned_edges.empty());
+  EXPECT_TRUE(check.open_edges.empty() && check.non_manifold_edges.empty() && check.turned_edges.empty());
   EXPECT_TRUE(check.intersections.empty());
   ASSERT_TRUE(check.thinnest_wall);
   EXPECT_NEAR(*check.thinnest_wall, 1, 1e-4);
@@ -85,7 +85,7 @@ TEST(PrintCheck, HasNoVolumeWhereItIsOpen) {
   EXPECT_EQ(check.holes, 1);
   EXPECT_EQ(check.open_edges.size(), 3u);
   EXPECT_FALSE(check_print(test::with_fins(box(), 1, 3)).volume);
-  EXPECT_FALSE(check_print(test::with_fins(box(), 1, 3)).crowded_edges.empty());
+  EXPECT_FALSE(check_print(test::with_fins(box(), 1, 3)).non_manifold_edges.empty());
   const PrintCheck turned = check_print(test::with_turned_patches(box(), 1, 1, 3));
   EXPECT_FALSE(turned.volume);
   EXPECT_FALSE(turned.turned_edges.empty());

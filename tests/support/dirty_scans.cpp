@@ -134,9 +134,9 @@ Ends ends_of(const Mesh& mesh, const std::vector<Index>& component) {
 }
 
 std::string defects_of(const TopologySummary& topology) {
-  const bool crowded = !topology.manifold;
+  const bool non_manifold = !topology.manifold;
   if (topology.components != 1) return fmt::format("{} parts", topology.components);
-  if (crowded) return "not a manifold";
+  if (non_manifold) return "not a manifold";
   return topology.oriented ? "" : "not consistently oriented";
 }
 

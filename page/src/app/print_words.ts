@@ -28,7 +28,7 @@ export interface PrintLimits {
 export function printLines(check: PrintCheck, limits: PrintLimits): PrintLine[] {
   return [
     closedLine(check),
-    ...crowdedLines(check),
+    ...nonManifoldLines(check),
     facingLine(check),
     intersectionLine(check),
     ...wallLines(check, limits),
@@ -48,10 +48,10 @@ function closedLine({ open_edges, holes }: PrintCheck): PrintLine {
   return { tone: "bad", words, finding: "open-edges", remedy: "close-holes" };
 }
 
-function crowdedLines({ crowded_edges }: PrintCheck): PrintLine[] {
-  if (crowded_edges === 0) return [];
-  const words = counted(crowded_edges, "edge with more than two faces", "edges with more than two faces");
-  return [{ tone: "bad", words, finding: "crowded-edges", remedy: "split" }];
+function nonManifoldLines({ non_manifold_edges }: PrintCheck): PrintLine[] {
+  if (non_manifold_edges === 0) return [];
+  const words = `${counted(non_manifold_edges, "non-manifold edge")}, with more than two faces`;
+  return [{ tone: "bad", words, finding: "non-manifold-edges", remedy: "split" }];
 }
 
 function facingLine({ turned_edges, inside_out }: PrintCheck): PrintLine {

@@ -4,7 +4,7 @@ import { layingPose, scalingPose } from "../../src/app/placing";
 import { printLines, printProblems, unitOfFileWords, type PrintCheck } from "../../src/app/print_words";
 
 const sound: PrintCheck = {
-  size: [120, 80, 45], area: 200, volume: 32_000, inside_out: false, holes: 0, open_edges: 0, crowded_edges: 0, turned_edges: 0,
+  size: [120, 80, 45], area: 200, volume: 32_000, inside_out: false, holes: 0, open_edges: 0, non_manifold_edges: 0, turned_edges: 0,
   intersections: 0, thinnest_wall: 2, thin: 4, overhanging: 0, overhang_area: 0,
 };
 const limits = { leastWall: 1, overhangDeg: 45, unit: "mm" } as const;
@@ -19,14 +19,14 @@ describe("the lines of a print check", () => {
     expect(printProblems(sound, limits)).toEqual([]);
   });
   test("tell what print shops refuse, with its place and its remedy", () => {
-    const broken = { ...sound, holes: 2, open_edges: 31, crowded_edges: 1, turned_edges: 3, intersections: 286, volume: null };
+    const broken = { ...sound, holes: 2, open_edges: 31, non_manifold_edges: 1, turned_edges: 3, intersections: 286, volume: null };
     const problems = printProblems(broken, limits);
     expect(problems.map(({ words }) => words)).toEqual([
-      "Open: 2 holes", "1 edge with more than two faces", "3 edges between faces that face opposite ways",
+      "Open: 2 holes", "1 non-manifold edge, with more than two faces", "3 edges between faces that face opposite ways",
       "286 self-intersecting pairs of faces: print shops refuse this",
     ]);
     expect(problems.every(({ tone }) => tone === "bad")).toBe(true);
-    expect(problems.map(({ finding }) => finding)).toEqual(["open-edges", "crowded-edges", "turned-edges", "intersections"]);
+    expect(problems.map(({ finding }) => finding)).toEqual(["open-edges", "non-manifold-edges", "turned-edges", "intersections"]);
     expect(problems.map(({ remedy }) => remedy)).toEqual(["close-holes", "split", "turn", undefined]);
     expect(wordsOf({ volume: null }).at(-1)).toBe("Size 120 × 80 × 45 mm");
     expect(wordsOf({ inside_out: true })).toContain("Inside out");

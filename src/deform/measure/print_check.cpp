@@ -64,7 +64,7 @@ void find_edges(PrintCheck& check, const Mesh& mesh) {
     half_edges.clear();
     std::ranges::copy_if(table.half_edges[e], std::back_inserter(half_edges), is_of_finite_face);
     if (half_edges.size() == 1) check.open_edges.push_back(table.ends[e]);
-    if (half_edges.size() > 2) check.crowded_edges.push_back(table.ends[e]);
+    if (half_edges.size() > 2) check.non_manifold_edges.push_back(table.ends[e]);
     if (half_edges.size() == 2 && mesh.faces.corners()[half_edges[0]] == mesh.faces.corners()[half_edges[1]])
       check.turned_edges.push_back(table.ends[e]);
   }
@@ -80,7 +80,7 @@ void measure(PrintCheck& check, const Mesh& mesh, const Vector3d& middle) {
     check.area += twice_area.norm() / 2;
     volume += twice_area.dot(mesh.positions.row(triangles(t, 0)).transpose() - middle) / 6;
   }
-  if (!check.open_edges.empty() || !check.crowded_edges.empty() || !check.turned_edges.empty()) return;
+  if (!check.open_edges.empty() || !check.non_manifold_edges.empty() || !check.turned_edges.empty()) return;
   if (triangles.rows() == 0) return;
   check.volume = std::abs(volume);
   check.inside_out = volume < 0;

@@ -28,12 +28,12 @@ struct PrintCheck {
   double area = 0;
   /// Volume that the surface encloses; absent unless it is closed and consistently oriented.
   std::optional<double> volume;
-  bool inside_out = false;                          ///< the volume is negative
-  std::vector<std::array<Index, 2>> open_edges;     ///< edges of one face, by their ends
-  Index holes = 0;                                  ///< boundary loops
-  std::vector<std::array<Index, 2>> crowded_edges;  ///< edges of more than two faces
-  std::vector<std::array<Index, 2>> turned_edges;   ///< edges whose two faces are oriented inconsistently
-  std::vector<TrianglePair> intersections;          ///< as `self_intersections`
+  bool inside_out = false;                               ///< the volume is negative
+  std::vector<std::array<Index, 2>> open_edges;          ///< edges of one face, by their ends
+  Index holes = 0;                                       ///< boundary loops
+  std::vector<std::array<Index, 2>> non_manifold_edges;  ///< edges of more than two faces
+  std::vector<std::array<Index, 2>> turned_edges;        ///< edges whose two faces are oriented inconsistently
+  std::vector<TrianglePair> intersections;               ///< as `self_intersections`
   /// Thickness of the thinnest wall, model units; absent if no face has another behind it. The thickness at a
   /// face is the length of the ray from its centre against its normal, until it leaves the body through a face
   /// within 30° of parallel.

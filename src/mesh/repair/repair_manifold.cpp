@@ -69,7 +69,7 @@ bool part_fans(RepairSurface& surface) {
 
 // Removes all but two faces of each edge with three or more. The faces of such an edge are connected around
 // both its ends, so that splitting vertices cannot separate them.
-bool thin_crowded_edges(RepairSurface& surface) {
+bool thin_non_manifold_edges(RepairSurface& surface) {
   const EdgeTable& table = surface.edges();
   Flags doomed(surface.faces().size(), 0);
   bool any = false;
@@ -89,7 +89,7 @@ bool thin_crowded_edges(RepairSurface& surface) {
 
 bool split_non_manifold(RepairSurface& surface) {
   const bool parted = part_fans(surface);
-  return thin_crowded_edges(surface) || parted;
+  return thin_non_manifold_edges(surface) || parted;
 }
 
 namespace {
