@@ -13,7 +13,7 @@ export function Messages({ page }: { page: Page }) {
   const { editor } = page;
   const messages = editor.messages.value;
   return (
-    <div class="messages" role="log" aria-label="Messages">
+    <div class="messages" data-homes="right left" role="log" aria-label="Messages">
       {messages.length > 2 && (
         <button
           type="button"

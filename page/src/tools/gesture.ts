@@ -44,6 +44,7 @@ export class Gesture {
     private axes: Quaternion,
     private readonly camera: ScreenCamera,
     screenPoint: ScreenPoint,
+    private readonly ringPx = ringRadiusPx, // radius of the gizmo's rings
   ) {
     this.centre = centreOf(start);
     this.first = this.last = screenPoint;
@@ -214,11 +215,11 @@ export class Gesture {
     const sight = this.camera.towards(this.centre);
     const line = this.onPage(sight.cross(axis).normalize());
     const way = (to.x - from.x) * line.x + (to.y - from.y) * line.y;
-    return ((way / ringRadiusPx) * 180) / Math.PI;
+    return ((way / this.ringPx) * 180) / Math.PI;
   }
 }
 
-/** Radius of the gizmo's rings, in pixels. */
+/** Usual radius of the gizmo's rings, in pixels. */
 export const ringRadiusPx = 66;
 
 function snapTo(value: number, step: number | undefined): number {

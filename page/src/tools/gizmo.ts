@@ -2,8 +2,10 @@ import { Plane, Quaternion, Vector3 } from "three";
 import type { Editor } from "../app/editor";
 import type { Viewport } from "../view/viewport";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
-import { Gesture, type GestureKind, type Axis, type Grip, type Steps } from "./gesture";
+import { ClearBars } from "./clear_bars";
+import { Gesture, ringRadiusPx, type GestureKind, type Axis, type Grip, type Steps } from "./gesture";
 import { partAt, type Layout, type Part } from "./gizmo_layout";
+import { gizmoScale, gizmoShift } from "./gizmo_size";
 import { GizmoView } from "./gizmo_view";
 import type { Movable, Moved } from "./movable";
 import { axesOf, centreOf, poseOf, withPivot, withPivotAt, type Placement } from "./pose_math";
@@ -30,7 +32,12 @@ export class Gizmo {
   private ongoing: ActiveGesture | undefined;
   private readonly hidden = new Set<string>();
   private hiddenAsOf = "";
+  /** Returns the screen points of grips beside the gizmo, which bars must not cover either. */
+  otherGrips: () => readonly ScreenPoint[] = () => [];
   private snapsOnce = false;
+  private scale = 1;
+  private shiftedBy: ScreenPoint = { x: 0, y: 0 };
+  private readonly bars: ClearBars;
 
   constructor(
     private readonly editor: Editor,
@@ -40,6 +47,7 @@ export class Gizmo {
     private readonly status: Status,
   ) {
     this.view = new GizmoView(viewport.overlay, camera);
+    this.bars = new ClearBars(() => viewport.overlay.closest<HTMLElement>(".stage-area"));
     viewport.onFrame.add(() => this.draw());
   }
 
@@ -48,6 +56,14 @@ export class Gizmo {
   }
   get isModal(): boolean {
     return this.ongoing?.modal === true;
+  }
+  /** The size of the gizmo, × the usual one. */
+  get size(): number {
+    return this.scale;
+  }
+  /** How far the gizmo is drawn from its centre, in pixels. */
+  get shift(): ScreenPoint {
+    return this.shiftedBy;
   }
   get centre(): ScreenPoint | undefined {
     return this.layout?.centre;
@@ -73,7 +89,7 @@ export class Gizmo {
     const part = this.partUnder(screenPoint, toleranceFactor);
     if (handle === undefined || part === undefined) return false;
     if (this.editor.tools.movesPivot.value) this.beginPivot(handle);
-    else this.begin(handle, part.grip, screenPoint, false);
+    else this.begin(handle, part.grip, this.atCentre(screenPoint), false);
     return true;
   }
 
@@ -82,7 +98,7 @@ export class Gizmo {
     const handle = this.control.active;
     if (handle === undefined || this.control.gestureKinds?.includes(kind) === false) return;
     if (this.ongoing !== undefined) this.cancel();
-    this.begin(handle, { kind, axis: "free" }, screenPoint, true);
+    this.begin(handle, { kind, axis: "free" }, this.atCentre(screenPoint), true);
     this.follow(screenPoint, false);
   }
 
@@ -91,7 +107,7 @@ export class Gizmo {
     if (ongoing === undefined) return;
     this.snapsOnce = snapsOnce;
     if (ongoing.gesture === undefined) return this.dragPivot(ongoing, screenPoint);
-    ongoing.gesture.pointAt(screenPoint);
+    ongoing.gesture.pointAt(this.atCentre(screenPoint));
     this.showGesture(ongoing.name, ongoing.gesture);
   }
 
@@ -135,6 +151,11 @@ export class Gizmo {
     if (handle !== undefined) void this.control.commit(handle.name, withPivot(handle.placement, handle.defaultPivot));
   }
 
+  /** Returns where the pointer would be if the gizmo were drawn at its centre. */
+  private atCentre({ x, y }: ScreenPoint): ScreenPoint {
+    return { x: x - this.shiftedBy.x, y: y - this.shiftedBy.y };
+  }
+
   private partUnder(screenPoint: ScreenPoint, toleranceFactor = 1): Part | undefined {
     if (this.layout === undefined || this.control.active === undefined) return undefined;
     if (!this.editor.tools.movesPivot.value) return partAt(this.layout, screenPoint, toleranceFactor);
@@ -146,7 +167,7 @@ export class Gizmo {
   private begin(handle: Moved, grip: Grip, screenPoint: ScreenPoint, modal: boolean): void {
     const { name, placement } = handle;
     const axes = this.axesFor(placement, this.editor.tools.gizmoSpace.value);
-    const gesture = new Gesture(grip, placement, axes, this.camera, screenPoint);
+    const gesture = new Gesture(grip, placement, axes, this.camera, screenPoint, this.scale * ringRadiusPx);
     this.ongoing = { name, start: placement, axes, gesture, modal, axisPresses: 0 };
     this.viewport.requestRender();
   }
@@ -171,7 +192,8 @@ export class Gizmo {
     gesture.steps = this.editor.tools.snap.value !== this.snapsOnce ? this.steps() : undefined;
     const unit = this.viewport.settings.unit.value;
     this.control.show(name, gesture.placement());
-    this.status.say(gesture.label(unit === "none" ? "" : unit), gesture.pointer);
+    const { x, y } = gesture.pointer;
+    this.status.say(gesture.label(unit === "none" ? "" : unit), { x: x + this.shiftedBy.x, y: y + this.shiftedBy.y });
   }
 
   private steps(): Steps {
@@ -213,15 +235,20 @@ export class Gizmo {
     const handle = this.control.active;
     if (handle === undefined || this.viewport.settings.before.value) {
       this.layout = undefined;
+      this.hiddenAsOf = "";
+      this.bars.release();
       return this.view.hide();
     }
     const { placement } = handle;
     const { ongoing } = this;
     const axes = ongoing?.axes ?? this.axesFor(placement, this.editor.tools.gizmoSpace.value);
     const gesture = ongoing?.gesture && { gesture: ongoing.gesture, from: centreOf(ongoing.start), axes };
+    if (ongoing === undefined) this.fit(handle);
     this.layout = this.view.draw({
       centre: centreOf(placement),
       axes,
+      scale: this.scale,
+      shift: this.shiftedBy,
       hovered: this.hovered,
       gesture,
       movesPivot: this.editor.tools.movesPivot.value,
@@ -231,12 +258,28 @@ export class Gizmo {
     if (ongoing === undefined && this.layout !== undefined) this.findHidden(this.layout);
   }
 
-  // Finds the parts that the model hides, while the view is at rest.
+  /** Fits the gizmo to what it moves, and into the view. */
+  private fit({ placement, radius }: Moved): void {
+    const { canvas } = this.viewport;
+    this.scale = gizmoScale({
+      movedPx: radius === undefined ? undefined : radius / this.camera.worldPerPixel(centreOf(placement)),
+      viewWidth: canvas.clientWidth,
+      viewHeight: canvas.clientHeight,
+      isCoarse: matchMedia("(pointer: coarse)").matches,
+    });
+    const centre = this.camera.project(centreOf(placement));
+    const stays = this.editor.tools.movesPivot.value || centre.behind;
+    this.shiftedBy = stays ? { x: 0, y: 0 } : gizmoShift(centre, this.scale, canvas.getBoundingClientRect());
+  }
+
+  // Finds the parts that the model hides, and moves bars off the others, while the view is at rest.
   private findHidden(layout: Layout): void {
     const firsts = layout.parts.flatMap(({ outline }) => outline.slice(0, 1));
-    const asOf = firsts.map(({ x, y }) => `${x.toFixed(0)},${y.toFixed(0)}`).join(" ");
+    const points = firsts.map(({ x, y }) => `${x.toFixed(0)},${y.toFixed(0)}`);
+    const asOf = [...points, this.bars.sizes].join(" ");
     if (asOf === this.hiddenAsOf || this.viewport.navigation.isMoving) return;
     this.hiddenAsOf = asOf;
+    this.bars.keepOff([...layout.parts.flatMap(({ outline }) => outline), ...this.otherGrips()]);
     this.hidden.clear();
     for (const part of layout.parts) {
       if (part.kind === "ring" || part.kind === "ball" || part.axis === "free") continue;

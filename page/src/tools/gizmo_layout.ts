@@ -20,6 +20,8 @@ export interface Part {
 export interface Layout {
   readonly centre: ScreenPoint;
   readonly parts: readonly Part[];
+  /** Its size, × the usual one. */
+  readonly scale: number;
 }
 
 const allAxes: readonly Axis[] = [0, 1, 2];
@@ -31,9 +33,9 @@ const endOn = 0.97; // cosine above which an arrow points at the camera and is n
 const edgeOn = 0.15; // cosine below which a square is seen edge-on and is not drawn
 const circlePoints = 64; // points of a circle
 
-/** Lays out the gizmo at `centre` along the columns of `axes`. Its size on the screen is constant. */
-export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera): Layout {
-  const pixel = camera.worldPerPixel(centre);
+/** Lays out the gizmo at `centre` along the columns of `axes`, `scale` times as large on the screen as usual. */
+export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera, scale = 1): Layout {
+  const pixel = scale * camera.worldPerPixel(centre);
   const viewDirection = camera.towards(centre);
   const along = allAxes.map((k) => new Vector3(+(k === 0), +(k === 1), +(k === 2)).applyQuaternion(axes));
   const of = (k: Axis): Vector3 => along[k] as Vector3;
@@ -47,7 +49,7 @@ export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera):
 
   const ball: Grip = { kind: "move", axis: "free" };
   add({ kind: "ball", grip: ball, axis: "free", outline: [c], closed: false, position: centre });
-  const knobPx = viewRingPx * Math.SQRT1_2;
+  const knobPx = scale * viewRingPx * Math.SQRT1_2;
   const knob = { x: c.x + knobPx, y: c.y - knobPx };
   const all: Grip = { kind: "scale", axis: "free" };
   add({ kind: "knob", grip: all, axis: "free", outline: [knob], closed: false, position: centre });
@@ -76,11 +78,21 @@ export function layOut(centre: Vector3, axes: Quaternion, camera: ScreenCamera):
   }
   const round = Array.from({ length: circlePoints }, (_, i): ScreenPoint => {
     const angle = (2 * Math.PI * i) / circlePoints;
-    return { x: c.x + viewRingPx * Math.cos(angle), y: c.y + viewRingPx * Math.sin(angle) };
+    return { x: c.x + scale * viewRingPx * Math.cos(angle), y: c.y + scale * viewRingPx * Math.sin(angle) };
   });
   const roll: Grip = { kind: "turn", axis: "free" };
   add({ kind: "view-ring", grip: roll, axis: "free", outline: round, closed: true, position: centre });
-  return { centre: c, parts };
+  return { centre: c, parts, scale };
+}
+
+/** Returns a layout that is drawn beside its centre. */
+export function shifted(layout: Layout, by: ScreenPoint): Layout {
+  const move = ({ x, y }: ScreenPoint) => ({ x: x + by.x, y: y + by.y });
+  return {
+    ...layout,
+    centre: move(layout.centre),
+    parts: layout.parts.map((part) => ({ ...part, outline: part.outline.map(move) })),
+  };
 }
 
 /** Returns a ring around `axis`: the half that faces the camera if `span` is π, the whole ring if it is 2π. */

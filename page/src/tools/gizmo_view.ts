@@ -1,13 +1,17 @@
 import { Quaternion, Vector3 } from "three";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { ringRadiusPx, type GestureKind, type Gesture } from "./gesture";
-import { circle, layOut, viewRingPx, type Layout, type Part } from "./gizmo_layout";
+import { circle, layOut, shifted, viewRingPx, type Layout, type Part } from "./gizmo_layout";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
 
 /** The current appearance of the gizmo. */
 export interface Appearance {
   readonly centre: Vector3;
   readonly axes: Quaternion;
+  /** Its size, × the usual one. */
+  readonly scale: number;
+  /** How far it is drawn from its centre, in pixels. */
+  readonly shift: ScreenPoint;
   /** The part under the pointer. */
   readonly hovered: string | undefined;
   /** The gesture in progress, and where it began. */
@@ -21,6 +25,9 @@ export interface Appearance {
 /** Draws the gizmo on the overlay. Lines have a halo, so that they are legible on light and dark surfaces. */
 export class GizmoView {
   readonly element = svg("g", { class: "gizmo", display: "none" });
+  private readonly leader = svg("path", { class: "leader" });
+  private readonly leaderEnd = svg("circle", { class: "leader-end", r: 3.5 });
+  private readonly link = svg("g", { class: "gizmo", display: "none" }, this.leader, this.leaderEnd);
   private readonly guide = svg("path", { class: "guide" });
   private readonly sector = svg("path", { class: "sector" });
   private readonly cross = svg("path", { d: "M-13 0H13M0 -13V13" });
@@ -32,20 +39,24 @@ export class GizmoView {
     private readonly camera: ScreenCamera,
   ) {
     this.element.append(this.guide, this.sector, this.pivot);
-    overlay.append(this.element);
+    overlay.append(this.link, this.element);
   }
 
   hide(): void {
+    show(this.link, false);
     show(this.element, false);
   }
 
   /** Draws the gizmo and returns where its parts are on the screen. */
   draw(look: Appearance): Layout | undefined {
-    const whole = layOut(look.centre, look.axes, this.camera);
+    const whole = layOut(look.centre, look.axes, this.camera, look.scale);
     const layout = { ...whole, parts: whole.parts.filter(({ grip }) => look.gestureKinds?.includes(grip.kind) !== false) };
     const isInSight = !this.camera.project(look.centre).behind;
     show(this.element, isInSight);
+    if (!isInSight) show(this.link, false);
     if (!isInSight) return undefined;
+    set(this.element, { transform: `translate(${look.shift.x} ${look.shift.y})` });
+    this.drawLink(layout.centre, look.shift);
     const active = look.gesture === undefined ? undefined : partOf(look.gesture.gesture);
     const shown = new Set<string>();
     for (const part of layout.parts) {
@@ -56,7 +67,15 @@ export class GizmoView {
     for (const [id, element] of this.parts) show(element, shown.has(id));
     this.drawPivot(layout, look.movesPivot);
     this.drawGuides(look);
-    return layout;
+    return shifted(layout, look.shift);
+  }
+
+  // Draws the line from a gizmo beside its centre to the centre.
+  private drawLink(centre: ScreenPoint, shift: ScreenPoint): void {
+    const [c] = onOverlay(this.overlay, [centre]) as [ScreenPoint];
+    show(this.link, Math.hypot(shift.x, shift.y) > 1);
+    set(this.leader, { d: linesThrough([c, { x: c.x + shift.x, y: c.y + shift.y }]) });
+    set(this.leaderEnd, { cx: c.x, cy: c.y });
   }
 
   private drawPart(part: Part, layout: Layout, isHovered: boolean, isHidden: boolean): void {
@@ -65,7 +84,7 @@ export class GizmoView {
     set(element, { class: `part ${part.kind} axis-${axis}${isHovered ? " hot" : ""}${isHidden ? " covered" : ""}` });
     const outline = onOverlay(this.overlay, part.outline);
     const [c] = onOverlay(this.overlay, [layout.centre]) as [ScreenPoint];
-    const d = part.kind === "view-ring" ? circlePath(c, viewRingPx) : shapeOf(part, outline, c);
+    const d = part.kind === "view-ring" ? circlePath(c, layout.scale * viewRingPx) : shapeOf(part, outline, c);
     for (const path of element.children) set(path, { d });
   }
 
@@ -85,14 +104,14 @@ export class GizmoView {
   }
 
   // Draws the line or ring of a gesture, and the angle of a rotation.
-  private drawGuides({ gesture, centre }: Appearance): void {
+  private drawGuides({ gesture, centre, scale }: Appearance): void {
     show(this.guide, gesture !== undefined);
     show(this.sector, gesture?.gesture.currentGrip.kind === "turn");
     if (gesture === undefined) return;
     const { kind, axis } = gesture.gesture.currentGrip;
     const name = axis === "free" ? "free" : "xyz".charAt(axis);
     set(this.guide, { class: `guide axis-${name}` });
-    if (kind === "turn") this.drawSector(gesture.gesture, centre, name);
+    if (kind === "turn") this.drawSector(gesture.gesture, centre, name, scale);
     else if (axis === "free" && kind === "scale")
       set(this.guide, { d: linesThrough([...this.screenPoints(centre), ...onOverlay(this.overlay, [gesture.gesture.pointer])]) });
     else if (axis === "free") set(this.guide, { d: linesThrough(this.screenPoints(gesture.from, centre)) });
@@ -104,9 +123,9 @@ export class GizmoView {
     }
   }
 
-  private drawSector(gesture: Gesture, centre: Vector3, name: string): void {
+  private drawSector(gesture: Gesture, centre: Vector3, name: string, scale: number): void {
     const pixel = this.camera.worldPerPixel(centre);
-    const radius = gesture.currentGrip.axis === "free" ? viewRingPx : ringRadiusPx;
+    const radius = scale * (gesture.currentGrip.axis === "free" ? viewRingPx : ringRadiusPx);
     const at = (...steps: [Vector3, number][]) =>
       this.camera.project(steps.reduce((sum, [v, px]) => sum.addScaledVector(v, px * pixel), centre.clone()));
     const axis = gesture.turnAxis();

@@ -1,5 +1,5 @@
 import { effect } from "@preact/signals";
-import { Matrix4, Vector3 } from "three";
+import { Box3, Matrix4, Vector3 } from "three";
 import type { Editor } from "../app/editor";
 import type { Handle } from "../protocol";
 import type { Surface } from "../view/surface/surface";
@@ -15,6 +15,8 @@ export interface ActiveHandle {
   /** Size of the region around it, as a length along edges; undefined: it has no region of its own. */
   readonly reach: number | undefined;
   readonly vertices: Uint32Array;
+  /** Radius of its vertices around their centre, at rest. */
+  readonly radius: number;
 }
 
 /** A handle that the engine has not confirmed yet. It can be dragged at once. */
@@ -32,6 +34,7 @@ export class HandleControl {
   private readonly asked = new Map<string, Placement>();
   /** Pivots of sheared handles, which the document cannot store. */
   private readonly pivots = new Map<string, Vector3>();
+  private readonly radii = new WeakMap<Uint32Array, number>();
   private isScheduled = false; // whether `showDragged` is scheduled for the next animation frame
 
   constructor(
@@ -204,7 +207,8 @@ export class HandleControl {
   private ofPainted(name: string, painted: Painted | undefined): ActiveHandle | undefined {
     if (painted === undefined) return undefined;
     const placement = this.ahead(name) ?? atRest(painted.pivot);
-    return { name, placement, defaultPivot: painted.pivot, reach: undefined, vertices: painted.vertices };
+    const { pivot, vertices } = painted;
+    return { name, placement, defaultPivot: pivot, reach: undefined, vertices, radius: this.radiusOf(vertices) };
   }
 
   private ofDocument(handle: Handle, surface: Surface): ActiveHandle | undefined {
@@ -215,6 +219,7 @@ export class HandleControl {
     const known = placementOf(pose, defaultPivot);
     if (known === undefined) return undefined;
     const pivot = this.pivots.get(handle.name);
+    const vertices = surface.handles.get(handle.name) ?? new Uint32Array();
     const isSheared = known.kind === "affine" && !isRedrawn(known);
     const asTold = isSheared && pivot !== undefined ? { ...known, pivot } : known;
     return {
@@ -222,7 +227,8 @@ export class HandleControl {
       placement: this.ahead(handle.name) ?? asTold,
       defaultPivot,
       reach: handle.reach,
-      vertices: surface.handles.get(handle.name) ?? new Uint32Array(),
+      vertices,
+      radius: this.radiusOf(vertices),
     };
   }
 
@@ -233,6 +239,19 @@ export class HandleControl {
     const position = new Vector3();
     for (const v of boundary) sum.add(position.fromArray(surface.rest, 3 * v));
     return sum.divideScalar(boundary.length).applyMatrix4(new Matrix4().setPosition(...surface.offset));
+  }
+
+  /** Returns half the diagonal of the box of vertices at rest. */
+  private radiusOf(vertices: Uint32Array): number {
+    const known = this.radii.get(vertices);
+    const surface = this.viewport.main;
+    if (known !== undefined || surface === undefined) return known ?? 0;
+    const box = new Box3();
+    const position = new Vector3();
+    for (const v of vertices) box.expandByPoint(position.fromArray(surface.rest, 3 * v));
+    const radius = box.isEmpty() ? 0 : 0.5 * box.getSize(position).length();
+    this.radii.set(vertices, radius);
+    return radius;
   }
 
   private freeName(): string {

@@ -7,6 +7,8 @@ export interface Moved {
   readonly name: string;
   readonly placement: Placement;
   readonly defaultPivot: Vector3;
+  /** Radius of what is moved around its pivot, in world units; absent: unknown. */
+  readonly radius?: number | undefined;
 }
 
 /** An object that the gizmo can move: a handle, a part, a cutting plane. */

@@ -30,10 +30,16 @@ export class ReachKnob {
     private readonly context: ToolContext,
     private readonly region: Preview,
     private readonly isBusy: () => boolean,
+    private readonly gizmo: { readonly size: number; readonly shift: ScreenPoint },
   ) {
     context.viewport.overlay.prepend(this.element);
     context.viewport.onFrame.add(() => this.draw());
     effect(() => this.light(context.editor.tools.reachFor.value));
+  }
+
+  /** The screen points that must stay free of bars. */
+  get grips(): readonly ScreenPoint[] {
+    return this.at === undefined ? [] : [this.at];
   }
 
   /** Returns whether a press at this point takes the knob. */
@@ -49,7 +55,7 @@ export class ReachKnob {
     if (handle?.reach === undefined || this.at === undefined) return undefined;
     const { reachFor } = this.context.editor.tools;
     const centre = this.centreOf(handle);
-    const c = this.context.camera.project(centre);
+    const c = this.drawnAt(centre);
     const farFrom = ({ x, y }: ScreenPoint) => Math.hypot(x - c.x, y - c.y);
     const perPixel = this.context.camera.worldPerPixel(centre);
     const follow = ({ screenPoint }: Pointer) => {
@@ -109,6 +115,12 @@ export class ReachKnob {
     return defaultPivot.clone().applyMatrix4(matrixOf(placement));
   }
 
+  // Returns where the gizmo is drawn.
+  private drawnAt(centre: Vector3): ScreenPoint {
+    const { x, y } = this.context.camera.project(centre);
+    return { x: x + this.gizmo.shift.x, y: y + this.gizmo.shift.y };
+  }
+
   private draw(): void {
     const handle = this.context.control.active;
     const { before } = this.context.viewport.settings;
@@ -116,9 +128,10 @@ export class ReachKnob {
     show(this.element, isShown);
     this.at = undefined;
     if (!isShown) return;
-    const c = this.context.camera.project(this.centreOf(handle));
-    if (c.behind) return show(this.element, false);
-    const off = knobPx * Math.SQRT1_2;
+    const centre = this.centreOf(handle);
+    if (this.context.camera.project(centre).behind) return show(this.element, false);
+    const c = this.drawnAt(centre);
+    const off = this.gizmo.size * knobPx * Math.SQRT1_2;
     this.at = this.dragged ?? this.inView({ x: c.x + off, y: c.y + off });
     const [o, knob] = onOverlay(this.context.viewport.overlay, [c, this.at]) as [ScreenPoint, ScreenPoint];
     const far = Math.hypot(knob.x - o.x, knob.y - o.y);

@@ -69,7 +69,8 @@ export class ToolBox implements ToolActions {
       fixed: new FixedTool(this.context),
       drop,
     };
-    this.reach = new ReachKnob(this.context, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isActive);
+    this.reach = new ReachKnob(this.context, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isActive, this.gizmo);
+    this.gizmo.otherGrips = () => this.reach.grips;
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isActive);
     new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();

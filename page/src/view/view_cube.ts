@@ -36,6 +36,7 @@ export class ViewCube {
     private readonly look: (direction: Vector3, up?: Vector3) => void,
   ) {
     this.element.className = "view-cube";
+    this.element.dataset["homes"] = "top low";
     this.element.title = "Click a face, edge or corner to view from there; drag to orbit";
     this.turning.className = "view-cube-turning";
     this.element.append(this.turning);

@@ -64,7 +64,7 @@ test("a handle is posed by numbers with units, renamed, put back and removed", a
   await type("Move Y", "nonsense");
   expect((await state())?.handles[0]?.pose.translate).toEqual([50, 0, 0]);
   await user.screenshot("panels-pose");
-  for (const [text, says] of [["0", "more than 0"], ["-2", "more than 0"], ["nothing", "Enter a factor, such as 1.5 or 150 %"]] as const) {
+  for (const [text, says] of [["0", "Enter a number above 0."], ["-2", "Enter a number above 0."], ["nothing", "Enter a factor, such as 1.5 or 150 %."]] as const) {
     await type("Scale", text);
     const field = user.page.getByRole("textbox", { name: "Scale", exact: true });
     expect(await field.getAttribute("aria-invalid")).toBe("true");

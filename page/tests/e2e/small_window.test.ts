@@ -58,3 +58,86 @@ test("nothing is cut off in a small window, and the panels fold", async () => {
   await page.getByRole("complementary", { name: "Panels" }).waitFor();
   expect(user.complaints).toEqual([]);
 }, 120_000);
+
+/** Returns the grips of the gizmo, and the reach, that something else covers. */
+function coveredGrips(user: User): Promise<string[]> {
+  return user.page.evaluate(() => {
+    const { canvas } = window.meshgraft.viewport;
+    const box = canvas.getBoundingClientRect();
+    const isCovered = ({ x, y }: DOMPoint) =>
+      x > box.left && x < box.right && y > box.top && y < box.bottom && document.elementFromPoint(x, y) !== canvas;
+    const grips = [...document.querySelectorAll<SVGGElement>(".gizmo:not([display]) > [data-part]:not([display])")];
+    const found = grips.filter((grip) => {
+      const line = grip.querySelector<SVGPathElement>(".line");
+      const map = line?.getScreenCTM();
+      if (line === null || map === null || map === undefined) return false;
+      const length = line.getTotalLength();
+      return Array.from({ length: 24 }, (_, k) => line.getPointAtLength((k / 24) * length).matrixTransform(map)).some(isCovered);
+    });
+    const knob = document.querySelector(".reach:not([display]) .reach-knob")?.getBoundingClientRect();
+    const isKnobCovered = knob !== undefined && isCovered(new DOMPoint(knob.x + knob.width / 2, knob.y + knob.height / 2));
+    return [...found.map((grip) => grip.dataset["part"] ?? "?"), ...(isKnobCovered ? ["reach"] : [])];
+  });
+}
+
+test.each([false, true])("bars give way to the grips of the gizmo, whose size fits the handle (dark: %s)", async (dark) => {
+  harness = await EditorHarness.open({ size: { width: 800, height: 600 }, dark });
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("octopus", 40);
+  await user.press("Shift+s");
+  const outerRing = async (select: unknown, name: string) => {
+    await page.evaluate(
+      async ([select, name]) => {
+        const { editor } = window.meshgraft;
+        await editor.ask({ do: "handle", what: "add", name, select: select as string, reach: 0.4 });
+        editor.tools.activeHandle.value = name;
+      },
+      [select, name] as const,
+    );
+    await user.rests();
+    return page.evaluate(() => document.querySelector('[data-part="view-ring"] .line')?.getBoundingClientRect().width ?? 0);
+  };
+  const large = await outerRing({ half_space: { point: [0, 0, 0.35], normal: [0, 0, 1] } }, "head");
+  const small = await outerRing({ nearest: [1.6, 0, 0] }, "tip");
+  expect(large).toBeGreaterThan(1.2 * small);
+  expect(small).toBeGreaterThan(150); // its grips stay apart
+
+  for (const handle of ["head", "tip"])
+    for (const key of ["1", "3", "7", "f"]) {
+      await page.evaluate((name) => (window.meshgraft.editor.tools.activeHandle.value = name), handle);
+      await user.press(key);
+      await user.rests();
+      if (key === "f" || key === "1") await user.screenshot(`small-window-grips-${handle}-${key}-${dark ? "dark" : "light"}`);
+      expect(await coveredGrips(user), `${handle}, ${key}`).toEqual([]);
+    }
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("a field that refuses a number says why, and the words cover nothing", async () => {
+  harness = await EditorHarness.open({ size: { width: 800, height: 600 } });
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("bar", 8);
+  await page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "handle", what: "add", name: "top", select: { half_space: { point: [0, 0, 3], normal: [0, 0, 1] } }, reach: 1 });
+    editor.tools.activeHandle.value = "top";
+  });
+  await user.settle();
+  const field = page.getByRole("textbox", { name: "Scale", exact: true });
+  await field.fill("-1");
+  await field.press("Enter");
+  const says = page.getByRole("alert").filter({ hasText: "Enter a number above 0." });
+  await says.waitFor();
+  await user.screenshot("small-window-refused");
+  const covered = await says.evaluate((one) => {
+    const { left, right, top, bottom } = one.getBoundingClientRect();
+    return [...document.querySelectorAll(".side input, .side button")].filter((other) => {
+      const box = other.getBoundingClientRect();
+      return box.width > 0 && box.left < right && box.right > left && box.top < bottom && box.bottom > top;
+    }).length;
+  });
+  expect(covered).toBe(0);
+  expect(user.complaints).toEqual([]);
+}, 60_000);

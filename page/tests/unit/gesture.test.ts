@@ -2,7 +2,9 @@ import { OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "thre
 import { describe, expect, it } from "vitest";
 import type { ScreenCamera, ScreenPoint } from "../../src/tools/screen_camera";
 import { Gesture, type Axis, type Grip } from "../../src/tools/gesture";
-import { layOut, partAt } from "../../src/tools/gizmo_layout";
+import { bestHome, pointsUnder } from "../../src/tools/clear_bars";
+import { layOut, partAt, shifted, viewRingPx, type Layout, type Part } from "../../src/tools/gizmo_layout";
+import { gizmoScale, gizmoShift } from "../../src/tools/gizmo_size";
 import { NumberEntry } from "../../src/tools/number_entry";
 import { atRest, axesOf, centreOf, matrixOf, turned, type Motion, type Placement } from "../../src/tools/pose_math";
 import { CanvasCamera } from "./screen_camera";
@@ -174,5 +176,52 @@ describe("the gizmo", () => {
     expect(ids).not.toContain("arrow-z");
     expect(ids).toContain("square-z");
     expect(ids).not.toContain("square-x");
+  });
+});
+
+describe("the size of the gizmo", () => {
+  const view = { viewWidth: 900, viewHeight: 700, isCoarse: false };
+  it("fits what it moves, and keeps its grips apart", () => {
+    const sizes = [0, 60, 90, 100, 110, 400].map((movedPx) => gizmoScale({ ...view, movedPx }));
+    sizes.slice(1).forEach((size, k) => expect(size).toBeGreaterThanOrEqual(sizes[k] as number));
+    expect(sizes[0]).toBeGreaterThan(0.6);
+    expect(sizes.at(-1)).toBe(1);
+    expect(gizmoScale({ ...view, movedPx: undefined })).toBe(1);
+  });
+  it("is larger for fingers, and smaller in a small view", () => {
+    expect(gizmoScale({ ...view, movedPx: 5, isCoarse: true })).toBe(1);
+    expect(gizmoScale({ ...view, viewWidth: 260, movedPx: 500 })).toBeLessThan(0.9);
+  });
+  it("lays its parts out in proportion", () => {
+    for (const camera of cameras()) {
+      const [usual, small] = [1, 0.75].map((scale) => layOut(centreOf(rest), world, camera, scale)) as [Layout, Layout];
+      usual.parts.forEach(({ id, outline }, k) => {
+        const part = small.parts[k] as Part;
+        expect(part.id).toBe(id);
+        if (id !== "ball") expect(apart(part.outline[0] as ScreenPoint, small.centre)).toBeLessThan(0.9 * apart(outline[0] as ScreenPoint, usual.centre) + 1);
+      });
+    }
+  });
+  it("is drawn within the view, unless its centre is outside", () => {
+    const box = { left: 50, right: 850, top: 40, bottom: 640 };
+    expect(gizmoShift({ x: 400, y: 300 }, 1, box)).toEqual({ x: 0, y: 0 });
+    expect(gizmoShift({ x: 20, y: 300 }, 1, box)).toEqual({ x: 0, y: 0 });
+    const { x, y } = gizmoShift({ x: 840, y: 50 }, 1, box);
+    expect(840 + x + viewRingPx).toBeLessThan(box.right);
+    expect(50 + y - viewRingPx).toBeGreaterThan(box.top);
+    const moved = shifted(layOut(centreOf(rest), world, cameras()[0] as ScreenCamera), { x, y });
+    for (const part of moved.parts.filter(({ kind }) => kind === "box")) expect(partAt(moved, part.outline[0] as ScreenPoint)?.id).toBe(part.id);
+  });
+});
+
+describe("bars over the view", () => {
+  const bar = { left: 0, right: 200, top: 0, bottom: 40 };
+  it("count the grips below them, with the width of a grip", () => {
+    expect(pointsUnder([{ x: 100, y: 20 }, { x: 205, y: 45 }, { x: 230, y: 20 }], [bar])).toBe(2);
+  });
+  it("go to the first of their homes that covers least", () => {
+    const covers: Record<string, number> = { top: 3, low: 0, left: 0 };
+    expect(bestHome(["top", "low", "left"], (home) => covers[home] ?? 0)).toBe("low");
+    expect(bestHome(["top", "low"], () => 2)).toBe("top");
   });
 });

@@ -40,10 +40,10 @@ describe("poses in numbers", () => {
 
 describe("fields for numbers", () => {
   test("say what they take", () => {
-    expect(rangeWords({ min: 1, max: 20 })).toBe("1 to 20");
-    expect(rangeWords({ min: 1, max: 20, integer: true })).toBe("whole numbers, 1 to 20");
-    expect(rangeWords({ min: -Infinity, above: 0 })).toBe("more than 0");
-    expect(rangeWords({ min: 2 })).toBe("at least 2");
+    expect(rangeWords({ min: 1, max: 20 })).toBe("a number from 1 to 20");
+    expect(rangeWords({ min: 1, max: 20, integer: true })).toBe("a whole number from 1 to 20");
+    expect(rangeWords({ min: -Infinity, above: 0 })).toBe("a number above 0");
+    expect(rangeWords({ min: 2 })).toBe("a number of at least 2");
     expect(rangeWords({})).toBe("a number");
   });
   test("take what they say", () => {

@@ -53,7 +53,7 @@ export function GraftToolHint({ page }: { page: Page }) {
   const tool = graft.tool.value;
   const posed = tool === "loops" && graft.step.value?.pose === "keep";
   return (
-    <div class="tool-options">
+    <div class="tool-options" data-homes="top low">
       <div class="tool-line">
         {tool === "fixed" && <BrushSize tools={settings} />}
         <span class="tool-hint">

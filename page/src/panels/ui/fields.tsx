@@ -72,6 +72,7 @@ export function NumberField(props: NumberFieldProps) {
     if (isInRange(kept, props) && kept !== value) onChange(kept);
   };
   return (
+    <>
     <span class={`number ${bad ? "bad" : ""} ${disabled === true ? "disabled" : ""}`} data-tip={props.tip}>
       <input
         type="text"
@@ -94,12 +95,13 @@ export function NumberField(props: NumberFieldProps) {
         onBlur={onBlur}
       />
       {suffix !== undefined && suffix !== "" && <span class="suffix">{suffix}</span>}
-      {told && (
-        <span class="number-says" role="alert" id={saysId}>
-          {parsed === undefined ? writingWords(quantity, unit) : rangeWords(props)}
-        </span>
-      )}
     </span>
+    {told && (
+      <span class="number-says" role="alert" id={saysId}>
+        {parsed === undefined ? writingWords(quantity, unit) : `Enter ${rangeWords(props)}.`}
+      </span>
+    )}
+    </>
   );
 }
 
@@ -118,19 +120,19 @@ export function isInRange(value: number, { min = -Infinity, max = Infinity, abov
 
 /** Returns examples of how a quantity can be written. */
 function writingWords(quantity: Quantity, unit: Unit): string {
-  if (quantity === "angle") return "Enter an angle, such as 45 or 2 turns";
-  if (quantity === "length") return unit === "none" ? "Enter a length, such as 12.5" : "Enter a length, such as 12.5 or 3 mm";
-  return quantity === "factor" ? "Enter a factor, such as 1.5 or 150 %" : "Enter a number, such as 12.5";
+  if (quantity === "angle") return "Enter an angle, such as 45 or 2 turns.";
+  if (quantity === "length") return unit === "none" ? "Enter a length, such as 12.5." : "Enter a length, such as 12.5 or 3 mm.";
+  return quantity === "factor" ? "Enter a factor, such as 1.5 or 150 %." : "Enter a number, such as 12.5.";
 }
 
-/** Describes a range: "1 to 20". */
+/** Describes the numbers of a range: "a number from 1 to 20". */
 export function rangeWords({ min = -Infinity, max = Infinity, above, integer }: Range): string {
   const number = (value: number) => formatNumber(value);
-  const kind = integer === true ? "whole numbers, " : "";
-  if (above !== undefined) return `${kind}more than ${number(above)}${max < Infinity ? `, to ${number(max)}` : ""}`;
-  if (min > -Infinity && max < Infinity) return `${kind}${number(min)} to ${number(max)}`;
-  if (min > -Infinity) return `${kind}at least ${number(min)}`;
-  return max < Infinity ? `${kind}at most ${number(max)}` : integer === true ? "a whole number" : "a number";
+  const kind = integer === true ? "a whole number" : "a number";
+  if (above !== undefined) return `${kind} above ${number(above)}${max < Infinity ? `, up to ${number(max)}` : ""}`;
+  if (min > -Infinity && max < Infinity) return `${kind} from ${number(min)} to ${number(max)}`;
+  if (min > -Infinity) return `${kind} of at least ${number(min)}`;
+  return max < Infinity ? `${kind} of at most ${number(max)}` : kind;
 }
 
 interface SliderProps extends Omit<NumberFieldProps, "min" | "max"> {
