@@ -84,6 +84,8 @@ Json found_json(const MergeOutcome& merge) {
   return {{"size", scale_of(whole_map(merge))}, {"starts", starts}};
 }
 
+Json found_json(const SculptOutcome& sculpt) { return {{"moved", sculpt.max_displacement}}; }
+
 Json found_json(const RepairOutcome& repair, std::span<const Note> notes) {
   std::vector<Note> told;
   for (const RepairChange& change : repair.changes) told.push_back(change.note);

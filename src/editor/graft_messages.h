@@ -31,6 +31,8 @@ Json graft_fields(const ShownGraft& graft);
 
 /// Returns an element of `StepInputs::found`.
 Json found_json(const MergeOutcome& merge);
+/// The largest displacement of a sculpt step, in model units.
+Json found_json(const SculptOutcome& sculpt);
 Json found_json(const RepairOutcome& repair, std::span<const Note> notes);
 
 /// Returns the rows of a 4×4 matrix.

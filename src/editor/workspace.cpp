@@ -235,7 +235,8 @@ const std::shared_ptr<const Object>& Workspace::object(const std::string& name) 
   return name.empty() ? stage_.model : stage_.named(name);
 }
 
-// Keeps the selection where its object has as many vertices as before; else clears it.
+// Keeps the selection where its object has as many vertices as before; else clears it. A mesh that takes the
+// place of another one comes to the page without a selection, so the selection is sent again.
 void Workspace::carry_selection() {
   const auto is_same = [&](const std::shared_ptr<const Object>& object) {
     return selection.on && object->name == selection.on->name &&
@@ -243,7 +244,10 @@ void Workspace::carry_selection() {
   };
   const auto part = std::find_if(stage_.parts.begin(), stage_.parts.end(), is_same);
   if (part == stage_.parts.end() && !is_same(stage_.model)) selection.vertices.clear();
-  selection.on = part == stage_.parts.end() ? stage_.model : *part;
+  const std::shared_ptr<const Object> before =
+      std::exchange(selection.on, part == stage_.parts.end() ? stage_.model : *part);
+  if (before != selection.on && !selection.vertices.empty())
+    outbox_.send(selection_frame(*selection.on, selection.vertices), "selection");
 }
 
 // Writes to the journal. Where that fails, the action continues without a journal and the page is told once.

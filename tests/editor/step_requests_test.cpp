@@ -1,4 +1,5 @@
 // Tests a page's requests for symmetry and for changes of any step.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -74,6 +75,62 @@ TEST(EditorSettings, NoteWordsOfTheFileThatAreReadAsOthers) {
   EXPECT_EQ(opened["notes"][0]["fields"]["name"], "multifrontal");
   page.ask({{"do", "settings"}, {"settings", {{"backend", "eigen"}}}});
   EXPECT_TRUE(state(page)["notes"].empty());
+}
+
+std::vector<double> heights(const Mesh& mesh, double side) {
+  std::vector<double> found;
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (side * mesh.positions(v, 0) > 0.4) found.push_back(std::abs(mesh.positions(v, 0)));
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+TEST(EditorSymmetry, ShapesTheImageOfASelection) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_a_bar);
+  page.ask({{"do", "symmetry"}});
+  const Json inflate = {{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.2}};
+  const auto select = [&](const std::vector<int>& vertices) {
+    page.ask({{"do", "select"}, {"how", "set"}, {"what", {{"indices", vertices}}}});
+  };
+  const auto saved = [&] {
+    const std::filesystem::path mesh = folder / "saved.ply";
+    page.ask({{"do", "save"}, {"mesh", mesh.string()}, {"overwrite", true}});
+    return read_mesh(mesh);
+  };
+  select(near(page, 0.5, 0));
+  EXPECT_TRUE(page.ask(inflate)["notes"].empty());
+  EXPECT_EQ(state(page)["steps"].size(), 3U) << "apart from its image, which has a step of its own";
+  const Mesh both = saved();
+  const std::vector<double> right = heights(both, 1), left = heights(both, -1);
+  ASSERT_EQ(right.size(), left.size());
+  for (std::size_t i = 0; i < right.size(); ++i) EXPECT_NEAR(right[i], left[i], 1e-6);
+  EXPECT_GT(right.back(), 0.6);
+  page.ask({{"do", "undo"}});
+  EXPECT_EQ(state(page)["steps"].size(), 1U) << "one undo takes both back";
+
+  select(near(page, 0, 2));  // touches its image
+  page.ask(inflate);
+  EXPECT_EQ(state(page)["steps"].size(), 2U);
+}
+
+TEST(EditorSculpt, SaysWhereNothingMoved) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_a_bar);
+  const std::vector<int> flat = page.vertices(
+      [](double x, double y, double z) { return x > 0.49 && std::abs(y) < 0.2 && std::abs(z) < 0.4; });
+  ASSERT_GT(flat.size(), 3U);
+  page.ask({{"do", "select"}, {"how", "set"}, {"what", {{"indices", flat}}}});
+  const Json notes = page.ask({{"do", "sculpt"}, {"action", "flatten"}, {"strength", 0.5}})["notes"];
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0]["id"], "editor.nothing_moved");
+  EXPECT_LT(state(page)["steps"][0]["found"]["moved"].get<double>(), 1e-9);
+  page.ask({{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.1}});
+  EXPECT_GT(state(page)["steps"][1]["found"]["moved"].get<double>(), 0.01);
 }
 
 TEST(EditorSymmetry, MovesTheTwinWhileItIsDragged) {

@@ -1,3 +1,6 @@
+import type { Outcome } from "../engine/connection";
+import { noteWords } from "./wording";
+
 interface Selected {
   /** 255 where a vertex is selected. */
   readonly selection: Uint8Array;
@@ -20,4 +23,9 @@ export function inflatedHeight({ selection, positions }: Selected, strength: num
   });
   const size = Math.hypot(...high.map((most, k) => most - (low[k] as number)));
   return Number.isFinite(size) ? highest * strength * size : 0;
+}
+
+/** Returns what to tell the user of a shaped region; undefined if all went as asked. */
+export function shapedWords({ notes = [] }: Outcome): string | undefined {
+  return notes.length === 0 ? undefined : notes.map(noteWords).join(" ");
 }

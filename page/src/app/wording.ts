@@ -124,6 +124,10 @@ const paths = { path: "path", closed_path: "closed path" };
 
 /** The page's words, where the engine's are not those of a window with panels. */
 const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
+  "editor.nothing_moved": () => ({
+    problem: "nothing moved",
+    remedy: "The selected area has this shape already, or lies at an open boundary, which stays.",
+  }),
   "core.no_such_vertex": ({ vertex, count }) => ({
     problem: `vertex ${vertex} does not exist; the mesh has ${counted(count, "vertex", "vertices")}`,
     remedy: "",

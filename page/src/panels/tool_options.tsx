@@ -2,8 +2,9 @@ import type { Page } from "../app/page";
 import type { ToolName, ToolSettings } from "../app/tool_settings";
 import { scalingPose } from "../app/placing";
 import { counted } from "../app/units";
+import type { PageRequest } from "../protocol";
 import { CommandButton, CommandLabelButton } from "./command_button";
-import { inflatedHeight } from "../app/shaping";
+import { inflatedHeight, shapedWords } from "../app/shaping";
 import { Button } from "./ui/button";
 import { NumberField, Segments, Slider } from "./ui/fields";
 
@@ -52,7 +53,7 @@ export function ToolOptions({ page }: { page: Page }) {
   const tool = tools.tool.value;
   const selected = editor.selected.value;
   return (
-    <div class="tool-options">
+    <div class="tool-options" data-homes="top low">
       <div class="tool-line" role="toolbar" aria-label="Tool options">
         {painting.includes(tool) && <BrushSize tools={tools} />}
         {tool === "flood" && (
@@ -145,11 +146,16 @@ function ShapeLine({ page }: { page: Page }) {
   const { shapeStrength } = editor.tools;
   const canShape = editor.mending.canMend.value; // no graft is open
   const strength = shapeStrength.value;
-  const shape = (action: "smooth" | "flatten") => void editor.ask({ do: "sculpt", action, strength });
+  const ask = async (request: Extract<PageRequest, { do: "sculpt" }>) => {
+    const answer = await editor.ask(request);
+    const problem = answer === undefined ? undefined : shapedWords(answer);
+    if (problem !== undefined) editor.tell("note", { problem, location: "", remedy: "" }, { topic: "shaped" });
+  };
+  const shape = (action: "smooth" | "flatten") => void ask({ do: "sculpt", action, strength });
   const inflate = (sign: 1 | -1) => {
     const surface = viewport.main;
     if (surface === undefined) return;
-    void editor.ask({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength) });
+    void ask({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength) });
   };
   return (
     <div class="tool-line shape-line" role="toolbar" aria-label="Shape">

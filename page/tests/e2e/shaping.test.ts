@@ -46,3 +46,33 @@ test("what is selected is inflated and smoothed by a click each, and undo takes 
   expect(topOf(await harness.savedPositions())).toBeCloseTo(before, 6);
   expect(user.complaints).toEqual([]);
 }, 120_000);
+
+test("what is shaped on one side is shaped on the other with symmetry, and what moves nothing says so", async () => {
+  harness = await EditorHarness.open({ dark: true });
+  await harness.openSample("bar", 20);
+  const { user } = harness;
+  const { page } = user;
+  const widthOf = (positions: Float64Array, side: 1 | -1) => Math.max(...positions.filter((_, at) => at % 3 === 0).map((x) => side * x));
+  const before = await harness.savedPositions();
+  await user.press("y");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry != null);
+  await page.evaluate(async () => {
+    const sphere = { centre: [0.5, 0, 1] as [number, number, number], radius: 0.45 };
+    await window.meshgraft.editor.ask({ do: "select", how: "set", what: { sphere } });
+  });
+  const line = page.getByRole("toolbar", { name: "Shape" });
+  await line.getByRole("button", { name: "Flatten" }).click(); // it is flat
+  await page.getByRole("log", { name: "Messages" }).getByText("Nothing moved").waitFor();
+  await user.rests();
+  await user.screenshot("shaping-nothing");
+  await line.getByRole("button", { name: "Inflate" }).click();
+  await user.rests();
+  await user.screenshot("shaping-symmetric");
+  const after = await harness.savedPositions();
+  expect(widthOf(after, 1)).toBeGreaterThan(widthOf(before, 1) + 0.05);
+  expect(widthOf(after, -1)).toBeCloseTo(widthOf(after, 1), 5);
+  await user.press("Control+z");
+  await user.settle();
+  expect(widthOf(await harness.savedPositions(), -1)).toBeCloseTo(widthOf(before, -1), 6);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
