@@ -122,6 +122,7 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
   if (reach === undefined)
     return <p class="hint">This handle moves the whole region that you set, so it has no reach of its own.</p>;
   return (
+    <>
     <Slider
       label="Reach"
       value={reach}
@@ -143,5 +144,10 @@ function ReachSlider({ page, handle }: { page: Page; handle: Handle }) {
           .then(() => (editor.tools.reachFor.value = null))
       }
     />
+    <p class="hint">
+      There is no falloff to set: from the handle to its reach, the surface takes on the change as evenly as it can. How
+      it bends is chosen under Method.
+    </p>
+    </>
   );
 }

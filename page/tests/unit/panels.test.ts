@@ -13,6 +13,7 @@ import { refusalOf, uploadLimit } from "../../src/app/upload";
 import { sufficientTolerance, withTolerance } from "../../src/app/symmetry";
 import { asTyped } from "../../src/app/units";
 import { inPanelWords } from "../../src/app/wording";
+import { holeEdgesOf, holesOf } from "../../src/panels/repair_details";
 import { rangeWords, isInRange, Track } from "../../src/panels/ui/fields";
 import type { DocumentState, EngineError } from "../../src/protocol";
 
@@ -253,5 +254,12 @@ describe("messages", () => {
   });
   test("that say the same are shown once, and others stand beside each other", () => {
     expect(problems([about("a"), about("a", { of: "graft" }), about("b")])).toEqual(["a", "b"]);
+  });
+});
+
+describe("the holes that a repair fills", () => {
+  test("are named by their number of edges", () => {
+    expect([undefined, "auto", 0, 12, 100_000].map(holesOf)).toEqual(["auto", "auto", "none", "some", "all"]);
+    for (const choice of ["none", "auto", "some", "all"] as const) expect(holesOf(holeEdgesOf(choice))).toBe(choice);
   });
 });
