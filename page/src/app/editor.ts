@@ -163,6 +163,10 @@ export class Editor {
     });
     this.library = new Library((request) => this.connection.send(request));
     effect(() => this.rememberDocument());
+    effect(() => {
+      void this.view.up.value;
+      queueMicrotask(() => void this.printing.renew()); // after the viewport has turned its axes
+    });
   }
 
   start(): void {
@@ -432,6 +436,7 @@ export class Editor {
           if (this.marking.onState(event)) {
             this.printing.forget();
             this.tools.measured.value = null;
+            ++this.tools.modelChanges.value;
           }
         });
         this.viewport.setDocument(event);

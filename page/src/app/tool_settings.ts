@@ -31,6 +31,8 @@ export class ToolSettings {
   readonly dragged = signal<{ handle: string; pose: Pose } | null>(null);
   /** A reach being chosen; its region lights up. */
   readonly reachFor = signal<{ handle: string; reach: number } | null>(null);
+  /** Counts changes of the model's steps. After one, points that were clicked before are off the surface. */
+  readonly modelChanges = signal(0);
   /** The distance of two clicked points, model units; null if there are no two. */
   readonly measured = signal<number | null>(null);
   /** How strongly a selection is smoothed, flattened or inflated, up to 1. */

@@ -1,3 +1,4 @@
+import { effect, untracked } from "@preact/signals";
 import type { Vector3 } from "three";
 import { layingPose } from "../app/placing";
 import { lengthText } from "../view/view_notes";
@@ -19,6 +20,10 @@ export class MeasureTool implements Tool {
   constructor(private readonly context: ToolContext) {
     context.viewport.overlay.append(this.element);
     context.viewport.onFrame.add(() => this.draw());
+    effect(() => {
+      void context.editor.tools.modelChanges.value;
+      untracked(() => this.clear());
+    });
   }
 
   hover({ screenPoint }: Pointer, hit: Hit | undefined): void {

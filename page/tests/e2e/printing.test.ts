@@ -83,6 +83,48 @@ test("a length measured by two clicks and typed anew scales the model, and undo 
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
+test("a point that was clicked before the model changed is forgotten", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bar", 12);
+  const { user } = harness;
+  const { page } = user;
+  await user.press("Shift+M");
+  const { x, y } = await page.evaluate(() => {
+    const box = window.meshgraft.viewport.canvas.getBoundingClientRect();
+    return { x: box.left + box.width / 2, y: box.top + box.height / 2 };
+  });
+  await page.mouse.move(x, y);
+  await user.clickAt([x, y]);
+  await page.mouse.move(x, y - 300); // beside the model
+  const isShown = () => page.locator(".measured:not([display])").count();
+  await expect.poll(isShown).toBe(1);
+  await page.evaluate(async () => {
+    await window.meshgraft.editor.ask({ do: "transform", pose: { translate: [1, 0, 0] } });
+  });
+  await user.rests();
+  expect(await isShown()).toBe(0);
+  expect(user.complaints).toEqual([]);
+}, 60_000);
+
+test("another up axis checks the overhangs anew, and hides those of the old one", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bust", 30);
+  const { user } = harness;
+  const { page } = user;
+  await openPanel(harness);
+  await page.getByRole("region", { name: "Print" }).getByRole("button", { name: "Check", exact: true }).click();
+  const row = page.getByRole("list", { name: "Print check" }).getByRole("listitem").filter({ hasText: "overhang" });
+  await row.getByRole("button", { name: "Show" }).click();
+  await row.getByRole("button", { name: "Hide" }).waitFor();
+  const before = await row.innerText();
+  await user.click("View");
+  await page.getByRole("radiogroup", { name: "Up axis" }).getByText("Y", { exact: true }).click();
+  await row.getByRole("button", { name: "Show" }).waitFor();
+  await expect.poll(() => row.innerText()).not.toBe(before.replace("Hide", "Show"));
+  await user.screenshot("printing-up");
+  expect(user.complaints).toEqual([]);
+}, 60_000);
+
 test("a click on a face lays the model flat on it", async () => {
   harness = await EditorHarness.open({ dark: true });
   await harness.openSample("bar", 12);
