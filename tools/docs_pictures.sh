@@ -48,7 +48,7 @@ shapes bracket_on_posts "0.5 -1 0.6"
   -o docs/images/merge_colours.png --width 440 --height 480
 
 (cd page && MESHGRAFT_PIXEL_RATIO=1 MESHGRAFT_SCREENSHOTS="$scratch" node node_modules/vitest/vitest.mjs run \
-  tests/e2e/tour.test.ts tests/e2e/mending.test.ts tests/e2e/printing.test.ts)
+  tests/e2e/tour.test.ts tests/e2e/mending.test.ts tests/e2e/printing.test.ts tests/e2e/accessibility.test.ts)
 cp "$scratch"/editor_*.jpg docs/images/
 
 if [ -d build/release/python/meshgraft ]; then

@@ -4,6 +4,7 @@ import { Connection, LostConnection, Refusal, type Link, type Outcome } from "..
 import type { DocumentState, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
+import { announcementOf, openedWords } from "./announcements";
 import { engineUrl } from "./engine_url";
 import { Graft } from "./graft/graft";
 import { Library } from "./library";
@@ -98,6 +99,8 @@ export class Editor {
   readonly working = signal<ReadonlyMap<Id, RunningRequest>>(new Map());
   readonly messages = signal<readonly Message[]>([]);
   readonly selected = signal(0);
+  /** The latest words for screen readers alone. */
+  readonly announced = signal("");
   /** The bounding box of the model at rest, in model units. */
   readonly box = signal<Box | null>(null);
   readonly dialog = signal<DialogName | null>(null);
@@ -226,9 +229,11 @@ export class Editor {
   async attempt(request: PageRequest): Promise<Outcome | Failure> {
     const { id, answer } = this.connection.send(request);
     this.setWork(id, { id, label: labelOf(request), since: performance.now() });
+    const { value: before } = this.state;
     try {
       const outcome = await answer;
       this.dismissOutdated(request.do);
+      this.announce(announcementOf(request, outcome, before));
       return outcome;
     } catch (failure) {
       if (failure instanceof Refusal) return failure.error;
@@ -262,6 +267,7 @@ export class Editor {
     this.dialog.value = null;
     this.dismissMessages();
     this.tellOfFiles(done);
+    if (this.state.value !== null) this.announce(openedWords(this.state.value));
     rememberOpened(request);
     return true;
   }
@@ -368,6 +374,11 @@ export class Editor {
   /** Undoes the change whose set-up is still running in the background. */
   async cancelSetUp(): Promise<void> {
     await this.attempt({ do: "cancel", of: null }); // refused if the set-up has just finished
+  }
+
+  /** Tells screen readers what the eye sees. */
+  announce(words: string | undefined): void {
+    if (words !== undefined) this.announced.value = words;
   }
 
   /** Removes all messages. Returns whether there were any. */

@@ -1,5 +1,6 @@
 import { useEffect, useRef } from "preact/hooks";
 import type { Page } from "../app/page";
+import { Announcer } from "./announcer";
 import { DropZone } from "./drop";
 import { ExportDialog, OpenDialog, SaveDialog } from "./file_dialogs";
 import { GraftToolbar, GraftToolHint } from "./graft/graft_toolbar";
@@ -33,6 +34,7 @@ export function App({ page }: { page: Page }) {
         {isOpen && (grafts ? <GraftToolHint page={page} /> : <ToolOptions page={page} />)}
         {!isOpen && editor.welcome.value !== null && <StartScreen page={page} />}
         <Messages page={page} />
+        <Tooltips />
       </main>
       {isOpen && panels && <Side page={page} />}
       <StatusBar page={page} />
@@ -44,7 +46,7 @@ export function App({ page }: { page: Page }) {
       <LostConnection page={page} />
       <HandedBack page={page} />
       <PageEffects page={page} />
-      <Tooltips />
+      <Announcer page={page} />
     </div>
   );
 }

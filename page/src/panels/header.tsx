@@ -33,7 +33,9 @@ export function Header({ page }: { page: Page }) {
         ]}
       >
         <Mark />
-        <span>meshgraft</span>
+        <span>
+          <span class="hidden">File menu of </span>meshgraft
+        </span>
         <Icon name="down" size={14} />
       </Menu>
       {state !== null && (
@@ -84,13 +86,13 @@ function DocumentName({ name, edit, unsaved }: { name: string; edit: string; uns
   const file = edit === "" ? name : (edit.split("/").pop() ?? name);
   const tip = edit === "" ? "Not saved yet." : edit;
   return (
-    <span class="document-name" data-tip={tip} data-label={unsaved ? "Unsaved changes" : "All saved"}>
+    <h1 class="document-name" data-tip={tip} data-label={unsaved ? "Unsaved changes" : "All saved"}>
       <span class="file-name">{file}</span>
       {unsaved && (
         <span class="unsaved" role="img" aria-label="unsaved changes">
           ●
         </span>
       )}
-    </span>
+    </h1>
   );
 }

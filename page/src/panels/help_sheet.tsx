@@ -54,7 +54,7 @@ const tour: readonly [string, string][] = [
 export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }) {
   return (
     <Dialog title="Help" onClose={onClose} wide>
-      <div class="help">
+      <div class="help" role="document" tabIndex={0}>
         <section aria-label="Tour">
           <h3>Two-minute tour</h3>
           <ol class="tour">

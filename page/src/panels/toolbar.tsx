@@ -1,3 +1,4 @@
+import type { ComponentChildren } from "preact";
 import { useRef } from "preact/hooks";
 import type { Page } from "../app/page";
 import { CommandButton } from "./command_button";
@@ -23,14 +24,8 @@ export function Toolbar({ page }: { page: Page }) {
     buttons[(at + step + buttons.length) % buttons.length]?.focus();
   };
   return (
-    <div
-      class="toolbar"
-      ref={bar}
-      role="toolbar"
-      aria-orientation="vertical"
-      aria-label="Tools"
-      onKeyDown={onKeyDown}
-    >
+    <ToolRail>
+      <div class="tool-groups" ref={bar} role="toolbar" aria-orientation="vertical" aria-label="Tools" onKeyDown={onKeyDown}>
       {groups.map((tools, group) => (
         <div class="tool-group" key={group}>
           {tools.map((tool) => (
@@ -44,6 +39,16 @@ export function Toolbar({ page }: { page: Page }) {
           ))}
         </div>
       ))}
-    </div>
+      </div>
+    </ToolRail>
+  );
+}
+
+/** The strip at the left that holds the tools. */
+export function ToolRail({ children }: { children: ComponentChildren }) {
+  return (
+    <nav class="toolbar" aria-label="Tool strip">
+      {children}
+    </nav>
   );
 }

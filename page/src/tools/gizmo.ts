@@ -4,7 +4,7 @@ import type { Viewport } from "../view/viewport";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { ClearBars } from "./clear_bars";
 import { Gesture, ringRadiusPx, type GestureKind, type Axis, type Grip, type Steps } from "./gesture";
-import { partAt, type Layout, type Part } from "./gizmo_layout";
+import { gripWords, partAt, type Layout, type Part } from "./gizmo_layout";
 import { gizmoScale, gizmoShift } from "./gizmo_size";
 import { GizmoView } from "./gizmo_view";
 import type { Movable, Moved } from "./movable";
@@ -76,6 +76,12 @@ export class Gizmo {
     if (id !== this.hovered) this.viewport.requestRender();
     this.hovered = id;
     return part !== undefined;
+  }
+
+  /** Names the grip at a point; undefined if there is none, or a gesture goes on. */
+  wordsAt(screenPoint: ScreenPoint): string | undefined {
+    const part = this.ongoing === undefined ? this.partUnder(screenPoint, 1.5) : undefined;
+    return part === undefined ? undefined : gripWords(part);
   }
 
   leave(): void {

@@ -141,6 +141,21 @@ export function partAt(layout: Layout, screenPoint: ScreenPoint, toleranceFactor
   return undefined;
 }
 
+/** Names a grip and its effect, for those who do not see it. */
+export function gripWords({ kind, axis }: Pick<Part, "kind" | "axis">): string {
+  const name = axis === "free" ? "" : "XYZ".charAt(axis);
+  const words: Record<PartKind, string> = {
+    arrow: `Arrow: moves along ${name}.`,
+    square: `Square: moves across ${name}.`,
+    ring: `Ring: rotates about ${name}.`,
+    box: `Box: scales along ${name}.`,
+    ball: "Ball: moves.",
+    knob: "Knob: scales.",
+    "view-ring": "Outer ring: rotates about the line of sight.",
+  };
+  return words[kind];
+}
+
 function distanceTo({ outline, closed, kind }: Part, screenPoint: ScreenPoint): number {
   if (kind === "square" && isInside(outline, screenPoint)) return 0;
   const last = outline[outline.length - 1];

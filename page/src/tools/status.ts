@@ -23,6 +23,11 @@ export class Status {
     set(this.element, { transform: `translate(${left} ${top})` });
   }
 
+  /** What it says now; empty if nothing. */
+  get words(): string {
+    return this.element.hasAttribute("display") ? "" : (this.text.textContent ?? "");
+  }
+
   clear(): void {
     show(this.element, false);
   }

@@ -11,6 +11,7 @@ import { CutCurveTool } from "./graft/cut_curve_tool";
 import { DropTool } from "./graft/drop_tool";
 import { FixedTool } from "./graft/fixed_tool";
 import { Gizmo } from "./gizmo";
+import { cursorAction, KeyCursor, type CursorAction } from "./key_cursor";
 import { GraftPanelActions } from "./graft/panel_actions";
 import { LoopPairTool } from "./graft/graft_loops";
 import { GraphStore } from "./graph_store";
@@ -30,6 +31,11 @@ import { SymmetryPlane } from "./symmetry_plane";
 import type { ToolContext, Pointer, Stroke, Tool } from "./tool";
 import "./tools.css";
 
+const keyPointer = -1; // stands for the keyboard among the ids of pointers
+const keyTolerance = 1.5; // of the gizmo's grips, × that of the mouse
+const cursorHelp =
+  "Arrow keys move a cursor over the model, with Shift farther and with Alt less far. Space clicks; with a brush or on a grip it begins a stroke, and the next Space ends it. Ctrl and arrow keys orbit. Page Up and Page Down zoom.";
+
 /** Passes the pointer to the gizmo, to the active tool, or to the navigation. */
 export class ToolBox implements ToolActions {
   readonly control: HandleControl;
@@ -43,6 +49,7 @@ export class ToolBox implements ToolActions {
   private stroke: Stroke | undefined;
   private draggingPointer: number | undefined; // id of the dragging pointer
   private pointer: Pointer = { screenPoint: { x: 0, y: 0 }, shift: false, ctrl: false, alt: false };
+  private readonly cursor: KeyCursor;
   private waiting: PointerEvent[] = []; // moves until the next frame: all of a path, or else the last one
 
   constructor(
@@ -62,6 +69,7 @@ export class ToolBox implements ToolActions {
     const drop = new DropTool(this.context, graftView);
     this.graft = new GraftPanelActions(editor, viewport, drop);
     new PlaneView(viewport, plane, editor.graft);
+    this.cursor = new KeyCursor(viewport.overlay);
     this.graftTools = {
       loops: new LoopPairTool(this.context, graftView),
       plane: new CutPlaneTool(this.context, plane),
@@ -86,6 +94,7 @@ export class ToolBox implements ToolActions {
     canvas.addEventListener("pointercancel", (event) => this.lose(event));
     canvas.addEventListener("lostpointercapture", (event) => this.lose(event));
     canvas.addEventListener("pointerleave", () => this.leave());
+    this.attachCursor(canvas);
     canvas.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
     this.viewport.navigation.isBlocked = () => this.stroke !== undefined && this.stroke.isClick !== true;
@@ -107,7 +116,7 @@ export class ToolBox implements ToolActions {
 
   /** Handles keys that a gesture takes before commands do: axes, numbers. */
   takeKey(event: KeyboardEvent): boolean {
-    return this.gizmo.takeKey(event) || this.tool.takeKey?.(event) === true;
+    return this.gizmo.takeKey(event) || this.tool.takeKey?.(event) === true || this.takeCursorKey(event);
   }
 
   escape(): void {
@@ -160,6 +169,80 @@ export class ToolBox implements ToolActions {
     const { brushRadiusPx } = this.editor.tools;
     brushRadiusPx.value = Math.round(10 * Math.min(300, Math.max(3, brushRadiusPx.value * factor))) / 10;
     this.tool.hover(this.pointer, undefined);
+  }
+
+  /** Lets the keyboard reach the view once a model is open. */
+  private attachCursor(canvas: HTMLCanvasElement): void {
+    canvas.setAttribute("role", "application");
+    canvas.setAttribute("aria-label", "View of the model");
+    canvas.setAttribute("aria-description", cursorHelp);
+    this.viewport.overlay.ariaHidden = "true";
+    effect(() => void (canvas.tabIndex = this.editor.isOpen.value ? 0 : -1));
+    canvas.addEventListener("blur", () => {
+      if (this.draggingPointer === keyPointer) this.cancel();
+      this.cursor.hide();
+    });
+    canvas.addEventListener("pointermove", () => this.draggingPointer !== keyPointer && this.cursor.hide());
+  }
+
+  private takeCursorKey(event: KeyboardEvent): boolean {
+    const { viewport } = this;
+    const action = document.activeElement === viewport.canvas ? cursorAction(event) : undefined;
+    if (action === undefined || (this.draggingPointer !== undefined && this.draggingPointer !== keyPointer)) return false;
+    this.act(action);
+    return true;
+  }
+
+  private act(action: CursorAction): void {
+    const { navigation } = this.viewport;
+    switch (action.kind) {
+      case "orbit":
+        return navigation.orbit(-0.01 * action.dx, 0.01 * action.dy);
+      case "zoom":
+        return navigation.zoom(action.factor, navigation.target.clone());
+      case "move":
+        return this.moveCursor(action.dx, action.dy);
+      case "press":
+        if (this.cursor.position === undefined) this.moveCursor(0, 0);
+        else this.pressCursor();
+    }
+  }
+
+  private moveCursor(dx: number, dy: number): void {
+    const screenPoint = this.cursor.move(dx, dy, this.pointer.screenPoint);
+    // Shift and alt change the length of a step, and not how a stroke selects.
+    this.pointer = { screenPoint, shift: false, ctrl: false, alt: false };
+    if (this.gizmo.isModal) this.gizmo.follow(screenPoint, false);
+    else if (this.stroke !== undefined) this.stroke.move(this.pointer);
+    else this.hover();
+    this.editor.announce(this.wordsUnder(screenPoint));
+  }
+
+  /** Clicks at the cursor, or begins a stroke there, which the next press ends. */
+  private pressCursor(): void {
+    if (this.gizmo.isModal) return this.finishGesture();
+    if (this.stroke !== undefined) {
+      this.takeStroke()?.end(this.pointer);
+      return this.editor.announce("The stroke ends.");
+    }
+    const stroke = this.strokeFor(keyTolerance);
+    if (stroke === undefined) return this.editor.announce("There is nothing to press here.");
+    if (stroke.isClick === true) return stroke.end(this.pointer);
+    this.stroke = stroke;
+    this.draggingPointer = keyPointer;
+    this.editor.announce("The stroke begins. Space ends it, Escape cancels it.");
+  }
+
+  /** Says what is under the cursor. */
+  private wordsUnder(screenPoint: ScreenPoint): string {
+    const grip = this.gizmo.wordsAt(screenPoint);
+    if (grip !== undefined) return grip;
+    const hit = this.hitUnder(screenPoint);
+    if (hit === undefined) return "Beside the model.";
+    const handle = this.control.handleAt(hit.surface, hit.vertex);
+    const said = this.context.status.words;
+    if (said !== "") return `${said}.`;
+    return handle === undefined ? `On the model, vertex ${hit.vertex}.` : `On ${handle}.`;
   }
 
   private makeTools(): Record<ToolName, Tool> {
@@ -222,7 +305,7 @@ export class ToolBox implements ToolActions {
       return;
     }
     if (event.button !== 0 || this.draggingPointer !== undefined || this.viewport.settings.before.value) return;
-    const stroke = this.strokeFor(event);
+    const stroke = this.strokeFor(event.pointerType === "mouse" ? 1 : 2);
     if (stroke === undefined) return;
     event.preventDefault(); // the navigation ignores the event
     this.waiting = []; // perhaps of another pointer
@@ -241,8 +324,7 @@ export class ToolBox implements ToolActions {
     return stroke;
   }
 
-  private strokeFor(event: PointerEvent): Stroke | undefined {
-    const toleranceFactor = event.pointerType === "mouse" ? 1 : 2;
+  private strokeFor(toleranceFactor: number): Stroke | undefined {
     const { pointer } = this;
     if (this.gizmo.press(pointer.screenPoint, toleranceFactor)) {
       this.tool.leave();

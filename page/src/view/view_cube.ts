@@ -24,10 +24,16 @@ export function viewFrom(side: Side, [front, right, above]: readonly Vector3[]):
 const sides: readonly Side[] = ["front", "back", "right", "left", "top", "bottom"];
 const half = 29; // pixels
 
-/** A cube in a corner that turns with the view. Its faces, edges and corners select viewing directions. */
+const alignedCosine = 0.9999; // of the angle within which the view counts as one from a side
+
+/**
+ * A cube in a corner that turns with the view. Its faces, edges and corners select viewing directions by the pointer.
+ * For the keyboard and screen readers it is one control, a group of radio buttons with the names of the six sides.
+ */
 export class ViewCube {
   readonly element = document.createElement("div");
   private readonly turning = document.createElement("div");
+  private readonly radios = new Map<Side, HTMLInputElement>();
   private builtFor = "";
   private press: { x: number; y: number; moved: boolean } | undefined;
 
@@ -39,7 +45,8 @@ export class ViewCube {
     this.element.dataset["homes"] = "top low";
     this.element.title = "Click a face, edge or corner to view from there; drag to orbit";
     this.turning.className = "view-cube-turning";
-    this.element.append(this.turning);
+    this.turning.ariaHidden = "true";
+    this.element.append(this.sideChoice(), this.turning);
     this.element.addEventListener("pointerdown", (event) => this.begin(event));
     this.element.addEventListener("pointermove", (event) => this.drag(event));
     this.element.addEventListener(
@@ -54,6 +61,40 @@ export class ViewCube {
     if (this.builtFor !== this.navigation.up) this.build();
     const m = new Matrix4().makeRotationFromQuaternion(this.navigation.orientation().invert());
     this.turning.style.transform = matrix3d(new Matrix4().makeScale(1, -1, 1).multiply(m));
+    this.checkSide();
+  }
+
+  /** Makes the radio buttons. They are hidden for the eye; the cube shows their focus. */
+  private sideChoice(): HTMLElement {
+    const group = document.createElement("div");
+    group.className = "view-cube-sides hidden";
+    group.setAttribute("role", "radiogroup");
+    group.setAttribute("aria-label", "View from");
+    for (const side of sides) {
+      const radio = document.createElement("input");
+      radio.type = "radio";
+      radio.name = "view-side";
+      radio.setAttribute("aria-label", nameOf(side));
+      radio.addEventListener("change", () => this.lookFrom(side));
+      radio.addEventListener("click", () => this.lookFrom(side)); // also where it is chosen already
+      this.radios.set(side, radio);
+      group.append(radio);
+    }
+    return group;
+  }
+
+  private lookFrom(side: Side): void {
+    const { direction, up } = viewFrom(side, this.navigation.axes());
+    this.look(direction, up);
+  }
+
+  /** Chooses the radio button of the side that the model is seen from, if it is seen from one. */
+  private checkSide(): void {
+    const towardsCamera = new Vector3(0, 0, 1).applyQuaternion(this.navigation.orientation());
+    for (const [side, radio] of this.radios) {
+      const { direction } = viewFrom(side, this.navigation.axes());
+      radio.checked = -direction.dot(towardsCamera) > alignedCosine;
+    }
   }
 
   private build(): void {
@@ -80,15 +121,11 @@ export class ViewCube {
   }
 
   private cell(side: Side | undefined, towardsCamera: Vector3, up: Vector3): HTMLElement {
-    const button = document.createElement("button");
-    button.type = "button";
-    if (side === undefined) button.tabIndex = -1;
-    else {
-      button.textContent = side[0]?.toUpperCase() + side.slice(1);
-      button.setAttribute("aria-label", `Look from the ${side}`);
-    }
-    button.addEventListener("click", () => this.look(towardsCamera.clone().negate(), up));
-    return button;
+    const cell = document.createElement("div");
+    cell.className = "view-cube-cell";
+    if (side !== undefined) cell.textContent = nameOf(side);
+    cell.addEventListener("click", () => this.look(towardsCamera.clone().negate(), up));
+    return cell;
   }
 
   private begin(event: PointerEvent): void {
@@ -111,6 +148,10 @@ export class ViewCube {
     if (this.press?.moved === true) event.stopPropagation();
     this.press = undefined;
   }
+}
+
+function nameOf(side: Side): string {
+  return side.charAt(0).toUpperCase() + side.slice(1);
 }
 
 function matrix3d(matrix: Matrix4): string {

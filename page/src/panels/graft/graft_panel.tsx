@@ -129,10 +129,10 @@ function Pairs({ page }: { page: Page }) {
               <button
                 type="button"
                 class="list-main"
-                aria-label={`Pair ${i + 1}`}
                 onClick={() => (graft.activePair.value = i)}
               >
                 <span class="pair-number" style={{ background: cssColour(pairColour(i)) }}>
+                  <span class="hidden">Pair </span>
                   {i + 1}
                 </span>
                 <span class="list-name">

@@ -2,6 +2,7 @@ import type { GraftTool } from "../../app/graft/graft";
 import type { Page } from "../../app/page";
 import { CommandButton } from "../command_button";
 import { BrushSize } from "../tool_options";
+import { ToolRail } from "../toolbar";
 import { Button, IconButton } from "../ui/button";
 import type { IconName } from "../ui/icon";
 
@@ -29,7 +30,8 @@ export function GraftToolbar({ page }: { page: Page }) {
   const { graft } = page.editor;
   const busy = graft.kept.value !== undefined;
   return (
-    <div class="toolbar" role="toolbar" aria-orientation="vertical" aria-label="Tools">
+    <ToolRail>
+      <div class="tool-groups" role="toolbar" aria-orientation="vertical" aria-label="Tools">
       <div class="tool-group">
         {tools.map(({ tool, label, icon, tip }) => (
           <IconButton
@@ -43,7 +45,8 @@ export function GraftToolbar({ page }: { page: Page }) {
           />
         ))}
       </div>
-    </div>
+      </div>
+    </ToolRail>
   );
 }
 

@@ -59,7 +59,7 @@ export function Menu({ label, items, icon, children, class: name }: MenuProps) {
         class={name ?? "icon-button"}
         aria-haspopup="menu"
         aria-expanded={position !== null}
-        aria-label={label}
+        aria-label={children === undefined ? label : undefined}
         data-label={label}
         data-tip={position === null ? "" : undefined}
         onClick={(event) => {

@@ -25,7 +25,7 @@ export function Section({ title, hint, badge, startsOpen = false, children }: Se
   }, [open.value]);
   return (
     <section ref={section} class={`section ${open.value ? "open" : ""}`} aria-label={title}>
-      <h3>
+      <h2>
         <button
           type="button"
           aria-expanded={open.value}
@@ -39,7 +39,7 @@ export function Section({ title, hint, badge, startsOpen = false, children }: Se
           <span>{title}</span>
           {badge !== undefined && <span class="badge">{badge}</span>}
         </button>
-      </h3>
+      </h2>
       {open.value && (
         <div class="section-body" id={id}>
           <p class="hint">{hint}</p>

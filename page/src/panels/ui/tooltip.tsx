@@ -10,15 +10,24 @@ interface Tip {
 }
 
 const delayMs = 450;
+const tooltipId = "tooltip";
 
 /** Shows `data-label`, `data-tip` and `data-keys` of the element under the pointer or with keyboard focus. */
 export function Tooltips() {
   const [tip, setTip] = useState<Tip | null>(null);
   useEffect(() => {
     let timer = 0;
+    let described: HTMLElement | undefined; // the element that names the tooltip as its description
     const hide = () => {
       clearTimeout(timer);
+      described?.removeAttribute("aria-describedby");
+      described = undefined;
       setTip(null);
+    };
+    const describe = (target: HTMLElement) => {
+      if (target.hasAttribute("aria-describedby")) return;
+      target.setAttribute("aria-describedby", tooltipId);
+      described = target;
     };
     const plan = (target: EventTarget | null, delay: number) => {
       hide();
@@ -31,7 +40,7 @@ export function Tooltips() {
     const focus = (event: FocusEvent) =>
       event.target instanceof HTMLElement &&
       event.target.matches(":focus-visible") &&
-      plan(event.target, delayMs);
+      (plan(event.target, delayMs), event.target.closest("[data-tip]") !== null && describe(event.target));
     const events = ["pointerdown", "keydown", "wheel", "blur"] as const;
     document.addEventListener("pointerover", over);
     document.addEventListener("focusin", focus);
@@ -45,7 +54,7 @@ export function Tooltips() {
   }, []);
   if (tip === null) return null;
   return (
-    <div class={`tooltip ${tip.side}`} role="tooltip" style={{ left: `${tip.x}px`, top: `${tip.y}px` }}>
+    <div class={`tooltip ${tip.side}`} role="tooltip" id={tooltipId} style={{ left: `${tip.x}px`, top: `${tip.y}px` }}>
       {tip.label !== "" && (
         <strong>
           {tip.label} {tip.keys !== "" && <kbd>{tip.keys}</kbd>}
