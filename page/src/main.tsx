@@ -2,6 +2,7 @@ import { render } from "preact";
 import { makeCommands, type PageActions } from "./app/commands";
 import { Editor } from "./app/editor";
 import { listenForKeys } from "./app/keys";
+import { followPointerKind } from "./app/pointer_kind";
 import { rememberSettings } from "./app/remembered";
 import { followShownBox } from "./app/shown_box";
 import { takeToken } from "./app/token";
@@ -44,6 +45,7 @@ function attach(host: HTMLElement): void {
   graftView.start();
 }
 
+followPointerKind();
 const root = document.getElementById("app");
 if (root !== null) render(<App page={{ editor, viewport, shownBox, commands, graft: tools.graft, attach }} />, root);
 const isInDialog = () => document.querySelector("dialog[open]") !== null;

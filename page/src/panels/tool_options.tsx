@@ -1,4 +1,5 @@
 import type { Page } from "../app/page";
+import { pointerKind } from "../app/pointer_kind";
 import type { ToolName, ToolSettings } from "../app/tool_settings";
 import { scalingPose } from "../app/placing";
 import { counted } from "../app/units";
@@ -21,6 +22,17 @@ const hints: Record<ToolName, string> = {
   flood: "Click to select up to the next crease.",
   measure: "Click two points on the model.",
   flat: "Click the face that should lie on the bed.",
+};
+/** Hints where fingers do it another way. */
+const touchHints: Partial<Record<ToolName, string>> = {
+  navigate: "Drag to orbit, two fingers to pan and zoom.",
+  vertex: "Tap a vertex to make it a handle.",
+  curve: "Tap points along the curve. Finish ends it; a tap on the first point closes it.",
+  connected: "Tap to select everything connected.",
+  loop: "Tap near a hole to select its boundary loop.",
+  flood: "Tap to select up to the next crease.",
+  measure: "Tap two points on the model.",
+  flat: "Tap the face that should lie on the bed.",
 };
 const modifierHints = { set: "Shift adds, Alt subtracts.", add: "Alt subtracts.", remove: "Shift adds." };
 const painting: readonly ToolName[] = ["handle", "brush"];
@@ -84,14 +96,22 @@ export function ToolOptions({ page }: { page: Page }) {
         {tool === "measure" && <MeasuredLength page={page} />}
         {seesThrough.includes(tool) && <CommandButton page={page} id="through" icon="through" />}
         <span class="tool-hint">
-          {hints[tool]} {selecting.includes(tool) && modifierHints[tools.combine.value]}
+          {pointerKind.value === "touch"
+            ? (touchHints[tool] ?? hints[tool])
+            : `${hints[tool]} ${selecting.includes(tool) ? modifierHints[tools.combine.value] : ""}`}
         </span>
+        {tool === "curve" && <FinishCurve page={page} />}
       </div>
       {selected > 0 && <SelectionLine page={page} selected={selected} />}
       {selected > 0 && <ShapeLine page={page} />}
       {tools.activeHandle.value !== null && <HandleLine page={page} />}
     </div>
   );
+}
+
+/** Ends a curve, for those who have no Enter key. */
+function FinishCurve({ page }: { page: Page }) {
+  return pointerKind.value === "touch" ? <CommandLabelButton page={page} id="confirm" icon="accept" label="Finish" /> : null;
 }
 
 /** The length between two clicked points. Another one scales the whole model. */

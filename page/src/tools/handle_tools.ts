@@ -63,7 +63,7 @@ export class PaintTool implements Tool {
     const stroke = new BrushStroke(this.context, surface, pointer.screenPoint);
     const paint = (at: Pointer) => {
       this.ring.show(at);
-      if (stroke.to(at.screenPoint).length > 0) preview.show(surface, stroke.painted);
+      if (stroke.to(at).length > 0) preview.show(surface, stroke.painted);
     };
     paint(pointer);
     return {

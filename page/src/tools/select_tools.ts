@@ -5,7 +5,7 @@ import type { Surface } from "../view/surface/surface";
 import type { ScreenPoint } from "./screen_camera";
 import { StrokePath } from "./stroke_path";
 import { linesThrough, onOverlay, set, show, svg } from "./svg";
-import { clickStroke, combineOf, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
+import { brushRadiusAt, clickStroke, combineOf, type ToolContext, type Pointer, type Stroke, type Tool } from "./tool";
 
 /** A circle on the page that shows the size of the brush. */
 export class BrushRing {
@@ -15,9 +15,10 @@ export class BrushRing {
   constructor(private readonly context: ToolContext) {
     context.viewport.overlay.append(this.element);
   }
-  show({ screenPoint, ctrl, alt }: Pointer): void {
+  show(pointer: Pointer): void {
+    const { screenPoint, ctrl, alt } = pointer;
     const [at] = onOverlay(this.context.viewport.overlay, [screenPoint]) as [ScreenPoint];
-    const r = this.context.editor.tools.brushRadiusPx.value;
+    const r = brushRadiusAt(this.context.editor.tools.brushRadiusPx.value, pointer);
     for (const circle of this.circles) set(circle, { cx: at.x, cy: at.y, r });
     set(this.element, { class: `brush-ring${ctrl || alt ? " removes" : ""}` });
     show(this.element, true);
@@ -40,14 +41,15 @@ export class BrushStroke {
     this.path = new StrokePath(start, 0.5 * context.editor.tools.brushRadiusPx.value);
   }
 
-  /** Returns the vertices that newly come under the brush on the way to a screen point. */
-  to(screenPoint: ScreenPoint): Uint32Array {
+  /** Returns the vertices that newly come under the brush on the way to the pointer. */
+  to(pointer: Pointer): Uint32Array {
     const { tools } = this.context.editor;
+    const radiusPx = brushRadiusAt(tools.brushRadiusPx.value, pointer);
     const fresh: number[] = [];
-    for (const { x, y } of this.path.to(screenPoint)) {
+    for (const { x, y } of this.path.to(pointer.screenPoint)) {
       const hit = this.context.viewport.pick(x, y);
       if (hit?.surface !== this.surface) continue;
-      const radius = tools.brushRadiusPx.value * this.context.viewport.worldPerPixel(hit.point);
+      const radius = radiusPx * this.context.viewport.worldPerPixel(hit.point);
       for (const v of this.context.viewport.verticesNear(this.surface, hit, radius, tools.through.value))
         if (!this.painted.has(v)) {
           this.painted.add(v);
@@ -87,7 +89,7 @@ export class BrushTool implements Tool {
     const stroke = new BrushStroke(this.context, surface, pointer.screenPoint);
     const paint = (at: Pointer) => {
       this.ring.show(at);
-      surface.markSelected(stroke.to(at.screenPoint), how !== "remove");
+      surface.markSelected(stroke.to(at), how !== "remove");
     };
     paint(pointer);
     return {

@@ -13,6 +13,8 @@ export interface Pointer {
   readonly shift: boolean;
   readonly ctrl: boolean;
   readonly alt: boolean;
+  /** How hard a pen presses, 0 to 1; absent for other pointers. */
+  readonly pressure?: number | undefined;
 }
 
 /** A drag that a tool handles. */
@@ -61,6 +63,16 @@ export interface Tool {
   /** Handles keys before commands do, and the wheel before the navigation does. Returns whether the tool used them. */
   takeKey?(event: KeyboardEvent): boolean;
   wheel?(event: WheelEvent): boolean;
+}
+
+const usualPressure = 0.5;
+const mostByPressure = 1.8; // × the chosen size
+const leastByPressure = 0.25;
+
+/** Returns the radius of the brush at a pointer, in pixels. A pen that presses harder paints wider. */
+export function brushRadiusAt(radiusPx: number, { pressure }: Pick<Pointer, "pressure">): number {
+  if (pressure === undefined) return radiusPx;
+  return radiusPx * Math.min(mostByPressure, Math.max(leastByPressure, pressure / usualPressure));
 }
 
 /** Returns whether a stroke adds to the selection, removes from it, or replaces it. */

@@ -434,5 +434,6 @@ function pointerOf(event: MouseEvent): Pointer {
     shift: event.shiftKey,
     ctrl: event.ctrlKey || event.metaKey,
     alt: event.altKey,
+    pressure: event instanceof PointerEvent && event.pointerType === "pen" && event.buttons !== 0 ? event.pressure : undefined,
   };
 }

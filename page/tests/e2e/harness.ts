@@ -305,6 +305,8 @@ export interface HarnessOptions {
   mostKilobytes?: number;
   size?: { width: number; height: number };
   dark?: boolean;
+  /** Emulates a screen that fingers touch. */
+  touch?: boolean;
 }
 
 /** An engine, a page and its user for one test; `close` ends all. */
@@ -330,6 +332,8 @@ export class EditorHarness {
       deviceScaleFactor: pixelRatio,
       colorScheme: options.dark === true ? "dark" : "light",
       reducedMotion: "reduce",
+      hasTouch: options.touch === true,
+      isMobile: options.touch === true,
     });
     const page = await context.newPage();
     const user = new User(page);

@@ -1,5 +1,6 @@
 import type { GraftTool } from "../../app/graft/graft";
 import type { Page } from "../../app/page";
+import { pointerKind } from "../../app/pointer_kind";
 import { CommandButton } from "../command_button";
 import { BrushSize } from "../tool_options";
 import { ToolRail } from "../toolbar";
@@ -23,6 +24,14 @@ const hints: Record<GraftTool, string> = {
   stroke: "Orbit between strokes to get around. Enter closes the curve, Backspace removes the last point.",
   fixed: "Paint the area of the part that must not bend. Alt subtracts.",
   drop: "Wheel or R spins, Shift+wheel or S scales, Alt+wheel or B raises the cut of a closed part, Esc cancels.",
+};
+
+/** Hints where fingers do it another way. */
+const touchHints: Partial<Record<GraftTool, string>> = {
+  loops: "Tap a loop on each mesh. Drag beside the models to orbit, two fingers to pan and zoom.",
+  stroke: "Draw around the piece to cut off. Two fingers move and zoom the view.",
+  fixed: "Paint the area of the part that must not bend.",
+  drop: "Tap the place on the surface.",
 };
 
 /** The tools of graft mode, at the left. */
@@ -66,7 +75,7 @@ export function GraftToolHint({ page }: { page: Page }) {
               ? "To graft it elsewhere, drag the part from the list Parts."
               : tool === "loops" && graft.pairs.value.length > 0
                 ? "Drag the numbered markers along their loops. Drag beside the models to orbit."
-                : hints[tool]}
+                : ((pointerKind.value === "touch" ? touchHints[tool] : undefined) ?? hints[tool])}
         </span>
         {tool === "fixed" && (
           <>

@@ -1,0 +1,121 @@
+// Drives the page by emulated fingers and an emulated pen.
+import type { CDPSession } from "playwright-core";
+import { afterEach, expect, test } from "vitest";
+import { aimAt, farthest, openFresh, sampled, selectedIn } from "./grips";
+import { EditorHarness, type Point, type User } from "./harness";
+
+let harness: EditorHarness | undefined;
+afterEach(async () => {
+  await harness?.close();
+  harness = undefined;
+});
+
+/** Returns what can be pressed and is narrower or lower than 44 pixels, with its size. */
+function smallTargets({ page }: User): Promise<string[]> {
+  return page.evaluate(() => {
+    const pressed = "button, select, input:not([type=range], .hidden *), summary, .segments label, .toggle";
+    const boxOf = (one: Element) => (one.closest(".toggle, .segments label, .link, .number") ?? one).getBoundingClientRect();
+    return [...document.querySelectorAll(pressed)]
+      .filter((one) => one.getClientRects().length > 0 && one.closest(".view-cube-sides") === null)
+      .map((one) => ({ one, box: boxOf(one) }))
+      .filter(({ box }) => box.width < 43.5 || box.height < 43.5)
+      .map(({ one, box }) => `${one.getAttribute("aria-label") ?? one.textContent ?? one.localName}: ${box.width.toFixed(0)} × ${box.height.toFixed(0)}`);
+  });
+}
+
+test.each([false, true])("what fingers press is 44 pixels wide and high (dark: %s)", async (dark) => {
+  harness = await EditorHarness.open({ touch: true, dark, size: { width: 1180, height: 820 } });
+  const { user } = harness;
+  const { page } = user;
+  const name = dark ? "dark" : "light";
+  expect(await page.evaluate(() => matchMedia("(pointer: coarse)").matches)).toBe(true);
+  expect(await smallTargets(user)).toEqual([]);
+  await harness.openSample("bust", 30);
+  const folded = page.locator(".section h2 button[aria-expanded=false], .more-button[aria-expanded=false]");
+  while ((await folded.count()) > 0) await folded.first().tap();
+  await page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "select", how: "set", what: { grow_length: { of: { nearest: [0, -0.5, 0] }, length: 0.3 } } });
+    await editor.ask({ do: "group", name: "throat" });
+    await editor.ask({ do: "handle", what: "add", name: "held", select: "throat", reach: 0.4 });
+    editor.tools.activeHandle.value = "held";
+    editor.tools.snap.value = true;
+    editor.note("Saved", "a.json", "A remedy.");
+  });
+  await user.settle();
+  for (const tool of ["handle", "brush", "flood"]) {
+    await page.evaluate((tool) => (window.meshgraft.editor.tools.tool.value = tool as never), tool);
+    expect(await smallTargets(user), tool).toEqual([]);
+  }
+  await user.rests();
+  await user.screenshot(`touch-${name}`);
+  await page.evaluate(() => window.meshgraft.editor.dismissMessages());
+  await page.getByRole("button", { name: "File menu of meshgraft" }).tap();
+  expect(await smallTargets(user), "menu").toEqual([]);
+  await user.screenshot(`touch-menu-${name}`);
+  await page.getByRole("menuitem", { name: /^Save as/ }).tap();
+  await page.getByRole("dialog").waitFor();
+  expect(await smallTargets(user), "dialog").toEqual([]);
+  await page.getByRole("dialog").getByRole("button", { name: "Cancel" }).tap();
+  await page.getByRole("tab", { name: "Graft" }).tap();
+  await page.getByRole("button", { name: "Add head" }).tap();
+  await page.waitForFunction(() => window.meshgraft.editor.isIdle() && window.meshgraft.editor.graft.report.value !== null);
+  while ((await folded.count()) > 0) await folded.first().tap();
+  expect(await smallTargets(user), "graft").toEqual([]);
+  await user.rests();
+  await user.screenshot(`touch-graft-${name}`);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("hints speak of fingers where fingers are used, and of the mouse where it is", async () => {
+  harness = await EditorHarness.open({ touch: true, size: { width: 1180, height: 820 } });
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("bar", 12);
+  await page.getByText("Drag to orbit, two fingers to pan and zoom.").waitFor();
+  await page.getByRole("button", { name: "Point handle" }).tap();
+  await page.getByText("Tap a vertex to make it a handle.").waitFor();
+  await page.touchscreen.tap(450, 420);
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.handles.length === 1);
+  await user.click("Curve handle"); // by the mouse
+  await page.getByText(/^Click points along the curve/).waitFor();
+  expect(await page.getByRole("button", { name: "Finish" }).count()).toBe(0);
+  await page.getByRole("button", { name: "Curve handle" }).tap();
+  await page.getByRole("button", { name: "Finish" }).waitFor();
+  expect(user.complaints).toEqual([]);
+}, 60_000);
+
+/** Draws with a pen that presses this hard. */
+async function drawWithPen(pen: CDPSession, [from, to]: readonly [Point, Point], force: number): Promise<void> {
+  const at = ([x, y]: Point) => ({ x, y, pointerType: "pen", button: "left", force }) as const;
+  await pen.send("Input.dispatchMouseEvent", { type: "mousePressed", ...at(from), buttons: 1, clickCount: 1 });
+  for (let k = 1; k <= 4; ++k) {
+    const point: Point = [from[0] + (k / 4) * (to[0] - from[0]), from[1] + (k / 4) * (to[1] - from[1])];
+    await pen.send("Input.dispatchMouseEvent", { type: "mouseMoved", ...at(point), buttons: 1 });
+  }
+  await pen.send("Input.dispatchMouseEvent", { type: "mouseReleased", ...at(to), buttons: 0, clickCount: 1 });
+}
+
+test("the pressure of a pen sizes the brush", async () => {
+  harness = await EditorHarness.open();
+  const { user } = harness;
+  await openFresh(harness, "head");
+  const pen = await user.page.context().newCDPSession(user.page);
+  await user.press("1");
+  await user.rests();
+  const nose = await aimAt(user, farthest(sampled(harness, "head"), [0, -1, 0]));
+  await user.press("b");
+  const painted = async (force: number) => {
+    await drawWithPen(pen, [nose, [nose[0] + 10, nose[1] + 14]], force);
+    await user.settle();
+    const count = (await selectedIn(user)).length;
+    await user.press("Alt+a");
+    await user.settle();
+    return count;
+  };
+  const [light, usual, firm] = [await painted(0.2), await painted(0.5), await painted(1)];
+  expect(light).toBeGreaterThan(0);
+  expect(usual).toBeGreaterThan(1.5 * light);
+  expect(firm).toBeGreaterThan(1.5 * usual);
+  expect(user.complaints).toEqual([]);
+}, 60_000);
