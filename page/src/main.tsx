@@ -15,7 +15,7 @@ import { Viewport } from "./view/viewport";
 import "./style.css";
 
 const view = new ViewSettings();
-rememberSettings({ theme: view.theme, usualUnit: view.usualUnit, grid: view.grid, panels: view.panels });
+rememberSettings({ theme: view.theme, unitsOfFolders: view.unitsOfFolders, grid: view.grid, panels: view.panels });
 const viewport = new Viewport(view);
 const shownBox = followShownBox(viewport);
 const editor = new Editor(takeToken(), viewport, view);

@@ -166,6 +166,7 @@ export class Editor {
     });
     this.library = new Library((request) => this.connection.send(request));
     effect(() => this.rememberDocument());
+    effect(() => this.followFolder());
     effect(() => {
       void this.view.up.value;
       queueMicrotask(() => void this.printing.renew()); // after the viewport has turned its axes
@@ -564,6 +565,12 @@ export class Editor {
     const done = await this.ask({ do: "restore" });
     if (done !== undefined) this.note(since, "", `Restored ${counted(offer.changes, "change")}.`);
     else if (this.link.value === "open") this.offer.value = offer; // the message says why; the user may try again
+  }
+
+  /** Takes the unit of the folder that the open document is from. */
+  private followFolder(): void {
+    const { value: opened } = this.opened;
+    if (opened !== undefined) this.view.folder.value = this.openedFolder ?? (opened.upload === undefined ? "samples" : "uploads");
   }
 
   /** Remembers the open document for a reload, and whether it has unsaved changes, restored or not, for the lists. */

@@ -35,9 +35,11 @@ function write(name: string, value: unknown): void {
 }
 
 /** Lets the browser store signals by their names. Used only for settings of the user. */
-export function rememberSettings(settings: Readonly<Record<string, Signal<string> | Signal<boolean>>>): void {
+export function rememberSettings(
+  settings: Readonly<Record<string, Signal<string> | Signal<boolean> | Signal<Readonly<Record<string, string>>>>>,
+): void {
   for (const [name, setting] of Object.entries(settings)) {
-    const kept = setting as Signal<string | boolean>;
+    const kept = setting as Signal<unknown>;
     kept.value = read(`setting ${name}`, kept.value);
     effect(() => write(`setting ${name}`, kept.value));
   }

@@ -14,12 +14,19 @@ export class ViewSettings {
   readonly showRoles = signal(true); // shows region, fixed part and handles in their colours
   readonly before = signal(false); // shows the mesh as the step found it
   readonly theme = signal<"system" | "light" | "dark">("system");
-  readonly usualUnit = signal<Unit>("none"); // the unit of models whose files name none, as the user chose it
+  /** The unit of models whose files name none, as the user chose it, by the folder of the file. */
+  readonly unitsOfFolders = signal<Readonly<Record<string, Unit>>>({});
+  /** The folder of the shown model's file, or a word for models without one. */
+  readonly folder = signal("");
   private readonly fileUnit = signal<Unit>("none"); // that the model's file names
   private readonly otherUnit = signal<Unit | null>(null); // that the user chose in place of the file's
   /** The unit of the model's coordinates. */
   readonly unit = computed(() =>
-    this.fileUnit.value === "none" ? this.usualUnit.value : (this.otherUnit.value ?? this.fileUnit.value),
+    this.fileUnit.value === "none" ? (this.unitsOfFolders.value[this.folder.value] ?? "none") : (this.otherUnit.value ?? this.fileUnit.value),
+  );
+  /** Whether neither the file nor the user has told the unit of the models in this folder. */
+  readonly isUnitUnknown = computed(
+    () => this.fileUnit.value === "none" && this.unitsOfFolders.value[this.folder.value] === undefined,
   );
   readonly up = signal<"auto" | "y" | "z">("auto"); // the vertical axis; auto: as in the model
   readonly orthographic = signal(false);
@@ -32,9 +39,9 @@ export class ViewSettings {
     if (unit !== this.fileUnit.value) this.otherUnit.value = null;
     this.fileUnit.value = unit;
   }
-  /** Takes the unit that the user chose for the shown model, and for others whose files name none. */
+  /** Takes the unit that the user chose for the shown model, and for others of its folder whose files name none. */
   chooseUnit(unit: Unit): void {
-    if (this.fileUnit.value === "none") this.usualUnit.value = unit;
+    if (this.fileUnit.value === "none") this.unitsOfFolders.value = { ...this.unitsOfFolders.value, [this.folder.value]: unit };
     else this.otherUnit.value = unit;
   }
 }

@@ -10,6 +10,7 @@ import { MethodPanel } from "./method_panel";
 import { PrintPanel } from "./print_panel";
 import { StepsPanel } from "./steps_panel";
 import { SymmetryPanel } from "./symmetry_panel";
+import { UnitQuestion } from "./unit_question";
 import { ViewPanel } from "./view_panel";
 
 export type Mode = "deform" | "graft";
@@ -46,6 +47,7 @@ export function Side({ page }: { page: Page }) {
           ))}
         </div>
       )}
+      <UnitQuestion page={page} />
       <Notes page={page} />
       <div class="panels">
         <DefectsPanel page={page} />

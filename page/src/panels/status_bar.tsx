@@ -83,7 +83,11 @@ function ModelFigures({ page }: { page: Page }) {
 function ShownFigures({ page }: { page: Page }) {
   const { editor, viewport } = page;
   const [size] = useState(() =>
-    shownSize(editor.graft, (mesh) => viewport.surfaceOf(mesh)?.size.toArray()),
+    shownSize(editor.graft, (mesh) => {
+      const { value: box } = page.shownBox; // of the model, deformed
+      const isModel = mesh === editor.state.value?.model.mesh;
+      return isModel && box !== null ? sidesOf(box) : viewport.surfaceOf(mesh)?.size.toArray();
+    }),
   );
   const { vertices, faces, sides } = size.value;
   const selected = editor.graft.paintsFixed.value ? editor.selected.value : 0;

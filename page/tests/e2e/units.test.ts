@@ -1,4 +1,4 @@
-import { writeFileSync } from "node:fs";
+import { mkdirSync, writeFileSync } from "node:fs";
 import { zipSync, strToU8 } from "three/examples/jsm/libs/fflate.module.js";
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { grafted } from "./grafting";
@@ -92,4 +92,34 @@ test("a unit is chosen for a model, and for all whose files name none", async ()
   await statusBar().getByText(/ mm$/).waitFor();
   await chosenUnit().selectOption("none");
   expect(harness.user.complaints).toEqual([]);
+});
+
+test("STL and OBJ files are asked for their unit once in each folder, and sizes follow the deformation", async () => {
+  const { user, folder } = harness;
+  const { page } = user;
+  mkdirSync(folder.file("scans"));
+  for (const file of ["scans/one.stl", "scans/two.obj"]) run("sample", "bar", "--resolution", "8", "-o", folder.file(file));
+  await open("scans/one.stl");
+  const question = page.getByRole("region", { name: "Unit of the model" });
+  await question.getByText(/^The file names no unit\. The model measures 1 × 1 × 4 –/).waitFor();
+  await user.screenshot("units-asked");
+  await question.getByRole("button", { name: "cm", exact: true }).click();
+  await question.waitFor({ state: "detached" });
+  await statusBar().getByText("1 × 1 × 4 cm").waitFor();
+  await open("inches.3mf");
+  expect(await question.count()).toBe(0); // the file names its unit
+  await open("scans/two.obj");
+  await statusBar().getByText("1 × 1 × 4 cm").waitFor();
+  expect(await question.count()).toBe(0);
+
+  await page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "handle", what: "add", name: "top", select: { half_space: { point: [0, 0, 1], normal: [0, 0, 1] } }, reach: 1 });
+    await editor.pose({ top: { translate: [0, 0, 2] } });
+  });
+  for (const tab of ["Graft", "Deform"]) {
+    await page.getByRole("tab", { name: tab }).click();
+    await statusBar().getByText("1 × 1 × 6 cm").waitFor();
+  }
+  expect(user.complaints).toEqual([]);
 });

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { asksForUnit } from "../../src/app/unit_question";
 import { ViewSettings } from "../../src/app/view_settings";
 
 describe("the unit of lengths", () => {
@@ -24,14 +25,37 @@ describe("the unit of lengths", () => {
     expect(view.unit.value).toBe("m");
   });
 
-  it("is the usual one of the user for all models whose files name none", () => {
+  it("is chosen once for all models of a folder whose files name none", () => {
     const view = new ViewSettings();
+    view.folder.value = "/scans";
+    expect(view.isUnitUnknown.value).toBe(true);
     view.chooseUnit("cm");
+    expect(view.isUnitUnknown.value).toBe(false);
     view.setFileUnit("m");
-    expect(view.unit.value).toBe("m");
+    expect([view.unit.value, view.isUnitUnknown.value]).toEqual(["m", false]);
     view.setFileUnit("none");
     expect(view.unit.value).toBe("cm");
+    view.folder.value = "/prints";
+    expect([view.unit.value, view.isUnitUnknown.value]).toEqual(["none", true]);
     view.chooseUnit("none");
-    expect(view.unit.value).toBe("none");
+    expect([view.unit.value, view.isUnitUnknown.value]).toEqual(["none", false]);
+    view.folder.value = "/scans";
+    expect(view.unit.value).toBe("cm");
+  });
+
+  it("is asked for where an STL or OBJ file comes from a folder", () => {
+    const view = new ViewSettings();
+    const asks = (folder: string, file: string) => {
+      view.folder.value = folder;
+      return asksForUnit(view, { file });
+    };
+    expect(asks("/scans", "/scans/arm.STL")).toBe(true);
+    expect(asks("/scans", "arm.obj")).toBe(true);
+    expect(asks("/scans", "/scans/arm.ply")).toBe(false);
+    expect(asks("samples", "")).toBe(false);
+    view.chooseUnit("mm");
+    expect(asks("/scans", "/scans/arm.stl")).toBe(true);
+    view.chooseUnit("mm");
+    expect(asks("/scans", "/scans/leg.stl")).toBe(false);
   });
 });
