@@ -6,6 +6,7 @@ import { followPointerKind } from "./app/pointer_kind";
 import { rememberSettings } from "./app/remembered";
 import { followShownBox } from "./app/shown_box";
 import { takeToken } from "./app/token";
+import { Tour } from "./app/tour";
 import { ViewSettings } from "./app/view_settings";
 import { viewActions } from "./app/view_actions";
 import { App } from "./panels/app";
@@ -23,12 +24,15 @@ const editor = new Editor(takeToken(), viewport, view);
 const graftView = new GraftView(viewport, editor.graft);
 const tools = new ToolBox(editor, viewport, graftView);
 
+const tour = new Tour(editor);
 const dialogs: PageActions = {
   open: () => (editor.dialog.value = "open"),
   save: () => void editor.save(),
   saveAs: () => (editor.dialog.value = "save"),
   exportMesh: () => (editor.dialog.value = "export"),
   help: () => (editor.dialog.value = "help"),
+  tour: () => tour.start(),
+  skipTour: () => tour.skip(),
 };
 const commands = makeCommands({
   editor,
@@ -47,7 +51,7 @@ function attach(host: HTMLElement): void {
 
 followPointerKind();
 const root = document.getElementById("app");
-if (root !== null) render(<App page={{ editor, viewport, shownBox, commands, graft: tools.graft, attach }} />, root);
+if (root !== null) render(<App page={{ editor, viewport, shownBox, commands, graft: tools.graft, tour, attach }} />, root);
 const isInDialog = () => document.querySelector("dialog[open]") !== null;
 listenForKeys(
   () => (isInDialog() ? [] : commands),

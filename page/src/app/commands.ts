@@ -11,6 +11,9 @@ export interface PageActions {
   saveAs(): void;
   exportMesh(): void;
   help(): void;
+  tour(): void;
+  /** Ends the tour. Returns whether it was shown. */
+  skipTour(): boolean;
 }
 
 /** The actions of the tools that commands can call. */
@@ -128,13 +131,18 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     },
     {
       id: "escape", group: "edit", label: "Escape: up one level", keys: ["Escape"],
-      help: "Cancels the current move; then closes messages, deselects the handle, and leaves the tool.",
-      run: () => void (tools.cancelGesture() || editor.dismissMessages() || tools.escape()), enabled: () => true,
+      help: "Cancels the current move; then ends the tour, closes messages, deselects the handle, and leaves the tool.",
+      run: () => void (tools.cancelGesture() || page.skipTour() || editor.dismissMessages() || tools.escape()), enabled: () => true,
     },
     {
       id: "help", group: "help", label: "Help", keys: ["?", "F1"],
       help: "Shortcuts and a short tour.",
       run: () => page.help(), enabled: () => true,
+    },
+    {
+      id: "tour", group: "help", label: "Guided tour", keys: [],
+      help: "Leads through an edit of a sample.",
+      run: () => page.tour(), enabled: () => true,
     },
   ];
 }

@@ -3,6 +3,7 @@ import type { Viewport } from "../view/viewport";
 import type { Box, Editor } from "./editor";
 import type { Pair, Rows4, StartCandidate, Vector3Tuple } from "./graft/graft_step";
 import type { Command } from "./keys";
+import type { Tour } from "./tour";
 
 /** The functions of the tools that the graft panel uses. */
 export interface GraftActions {
@@ -34,6 +35,7 @@ export interface Page {
   readonly shownBox: ReadonlySignal<Box | null>;
   readonly commands: readonly Command[];
   readonly graft: GraftActions;
+  readonly tour: Tour;
   /** Adds the view and its tools to an element. */
   attach(host: HTMLElement): void;
 }

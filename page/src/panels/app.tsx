@@ -13,6 +13,7 @@ import { StartScreen } from "./start_screen";
 import { StatusBar } from "./status_bar";
 import { ToolOptions } from "./tool_options";
 import { Toolbar } from "./toolbar";
+import { TourBubble } from "./tour_bubble";
 import { Tooltips } from "./ui/tooltip";
 
 /** The whole page: the view and the panels around it. */
@@ -34,6 +35,7 @@ export function App({ page }: { page: Page }) {
         {isOpen && (grafts ? <GraftToolHint page={page} /> : <ToolOptions page={page} />)}
         {!isOpen && editor.welcome.value !== null && <StartScreen page={page} />}
         <Messages page={page} />
+        <TourBubble page={page} />
         <Tooltips />
       </main>
       {isOpen && panels && <Side page={page} />}

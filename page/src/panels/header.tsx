@@ -30,6 +30,7 @@ export function Header({ page }: { page: Page }) {
           menuItem(page, "save-as"),
           menuItem(page, "export", "export"),
           { ...menuItem(page, "help", "help"), begins: true },
+          menuItem(page, "tour"),
         ]}
       >
         <Mark />

@@ -1,6 +1,7 @@
 import { chordLabel } from "../app/chord";
 import type { Command, CommandGroup } from "../app/keys";
 import type { Page } from "../app/page";
+import { CommandLabelButton } from "./command_button";
 import { Dialog } from "./ui/dialog";
 
 const groups: readonly [CommandGroup, string][] = [
@@ -20,6 +21,29 @@ const pointer: readonly [string, string][] = [
   ["Frame a place", "double-click it"],
   ["Add to the selection", "Shift with a selection tool"],
   ["Subtract from it", "Alt with a selection tool"],
+];
+
+/** Keys that a gesture in progress takes, before they are commands. */
+const whileMoving: readonly [string, string][] = [
+  ["Keep to an axis", "X, Y or Z"],
+  ["The other axes (own or world)", "the same key again"],
+  ["Keep to a plane", "Shift and X, Y or Z"],
+  ["How far", "a number: 1.5, −2, 90"],
+  ["Change to move, rotate, scale", "G, R or S"],
+  ["In steps", "Ctrl"],
+  ["Confirm, cancel", "Enter or click, Esc"],
+];
+const whileDropping: readonly [string, string][] = [
+  ["Rotate the part", "wheel, R or Shift+R"],
+  ["Scale it", "Shift+wheel, S or Shift+S"],
+  ["Cut a closed part higher, lower", "Alt+wheel, B or Shift+B"],
+  ["Graft, cancel", "click, Esc"],
+];
+const withoutPointer: readonly [string, string][] = [
+  ["Move the cursor", "arrow keys, with Shift or Alt"],
+  ["Click, begin or end a stroke", "Space"],
+  ["Orbit", "Ctrl+arrow keys"],
+  ["Zoom", "Page Up, Page Down"],
 ];
 
 const tour: readonly [string, string][] = [
@@ -43,6 +67,10 @@ const tour: readonly [string, string][] = [
     "Fix what must not move.",
     "Select it with the brush or lasso and choose Make fixed; or make a second handle and leave it in place.",
   ],
+  [
+    "Graft a part.",
+    "Choose Graft, and click a part in the library, or drag it onto the surface. Loops that meet are paired; the part takes its place from them.",
+  ],
   ["Compare.", "Hold \\ to see the mesh before this step. Choose another method, under Method, to compare the results."],
   [
     "Continue, or save.",
@@ -57,6 +85,7 @@ export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }
       <div class="help" role="document" tabIndex={0}>
         <section aria-label="Tour">
           <h3>Two-minute tour</h3>
+          <CommandLabelButton page={page} id="tour" icon="help" label="Start the guided tour" kind="primary" />
           <ol class="tour">
             {tour.map(([what, how]) => (
               <li key={what}>
@@ -71,7 +100,10 @@ export function HelpSheet({ page, onClose }: { page: Page; onClose: () => void }
         </section>
         <section aria-label="Keys">
           <div class="keys">
-            <PointerTable />
+            <WordTable title="Pointer" rows={pointer} />
+            <WordTable title="While moving, rotating, scaling" rows={whileMoving} />
+            <WordTable title="While dropping a part" rows={whileDropping} />
+            <WordTable title="In the view, without a pointer" rows={withoutPointer} />
             {groups.map(([group, title]) => (
               <KeyTable key={group} title={title} rows={rowsOf(page.commands, group)} />
             ))}
@@ -94,12 +126,12 @@ function rowsOf(commands: readonly Command[], group: CommandGroup): Row[] {
     .map(({ keys, label, help }) => ({ keys: keys.map(chordLabel), label, help }));
 }
 
-function PointerTable() {
+function WordTable({ title, rows }: { title: string; rows: readonly [string, string][] }) {
   return (
     <table class="key-table">
-      <caption>Pointer</caption>
+      <caption>{title}</caption>
       <tbody>
-        {pointer.map(([label, how]) => (
+        {rows.map(([label, how]) => (
           <tr key={label}>
             <th scope="row">{label}</th>
             <td>{how}</td>

@@ -61,6 +61,7 @@ export function PrintPanel({ page }: { page: Page }) {
         kind={check === null ? "primary" : "plain"}
         onClick={() => void printing.check()}
       />
+      {check === null && <p class="hint">Nothing is checked yet. Check finds holes, thin walls, overhangs and more, and shows where they are.</p>}
       {check !== null && (
         <ul class="list defects" aria-label="Print check">
           {printLines(check, limits).map((line) => (

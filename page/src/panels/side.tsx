@@ -37,6 +37,7 @@ export function Side({ page }: { page: Page }) {
               type="button"
               key={tab.mode}
               role="tab"
+              data-mode={tab.mode}
               aria-selected={mode.value === tab.mode}
               tabIndex={mode.value === tab.mode ? 0 : -1}
               data-tip={tab.tip}

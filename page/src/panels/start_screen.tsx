@@ -90,7 +90,7 @@ function Card({
 }) {
   return (
     <li>
-      <button type="button" class="card" onClick={() => void page.editor.open(request)}>
+      <button type="button" class="card" data-sample={request.sample} onClick={() => void page.editor.open(request)}>
         <CardPicture page={page} request={request} />
         <span>
           <strong>{name}</strong>

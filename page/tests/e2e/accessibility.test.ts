@@ -94,6 +94,13 @@ test.each([false, true])("axe-core finds nothing on the page (dark: %s)", async 
   expect(user.complaints).toEqual([]);
 }, 180_000);
 
+test("axe-core finds nothing in the guided tour", async () => {
+  harness = await EditorHarness.open({ firstStart: true });
+  const { user } = harness;
+  await user.page.getByRole("dialog", { name: "Open a model" }).waitFor();
+  expect(await violationsOf(user)).toEqual([]);
+}, 60_000);
+
 /** Returns what is read out to those who do not see the page. */
 const announced = ({ page }: User) => page.getByRole("status", { name: "What was done" }).innerText();
 

@@ -305,6 +305,8 @@ export interface HarnessOptions {
   mostKilobytes?: number;
   size?: { width: number; height: number };
   dark?: boolean;
+  /** Starts as the first time, with the guided tour. */
+  firstStart?: boolean;
   /** Emulates a screen that fingers touch. */
   touch?: boolean;
 }
@@ -335,6 +337,7 @@ export class EditorHarness {
       hasTouch: options.touch === true,
       isMobile: options.touch === true,
     });
+    if (options.firstStart !== true) await context.addInitScript(() => localStorage.setItem("meshgraft tour seen", "true"));
     const page = await context.newPage();
     const user = new User(page);
     await options.before?.(page);

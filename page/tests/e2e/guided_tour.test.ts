@@ -1,0 +1,74 @@
+// Follows the guided tour of the first start.
+import { afterEach, expect, test } from "vitest";
+import { gripOf, poseOf } from "./grips";
+import { EditorHarness, type User } from "./harness";
+
+let harness: EditorHarness | undefined;
+afterEach(async () => {
+  await harness?.close();
+  harness = undefined;
+});
+
+const bubble = ({ page }: User, title: string) => page.getByRole("dialog", { name: title });
+
+test.each([false, true])("the buttons of six bubbles lead through an edit of a sample (dark: %s)", async (dark) => {
+  harness = await EditorHarness.open({ firstStart: true, dark });
+  const { user } = harness;
+  const { page } = user;
+  const name = dark ? "dark" : "light";
+  const titles = ["Open a model", "Graft another one onto it", "Change it, and accept it", "Take hold of something", "Move it", "Keep it"];
+  const actions = ["Open bust", "Graft the head", "Accept the graft", "Hold the head", "Turn the head", "Finish"];
+  for (const [k, title] of titles.entries()) {
+    await bubble(user, title).waitFor({ timeout: 20_000 });
+    await bubble(user, title).getByText(`${k + 1} of 6`).waitFor();
+    if (await page.evaluate(() => window.meshgraft.editor.state.value !== null)) await user.rests();
+    await user.screenshot(`tour-${k + 1}-${name}`);
+    await bubble(user, title).getByRole("button", { name: actions[k] as string }).click();
+  }
+  await bubble(user, "Keep it").waitFor({ state: "detached" });
+  await user.settle();
+  const state = await page.evaluate(() => window.meshgraft.editor.state.value);
+  expect(state?.steps.map(({ kind }) => kind)).toEqual(["merge", "deform"]);
+  expect((await poseOf(user, "head"))?.rotate?.angle_deg).toBe(15);
+  expect(await page.getByRole("alert").count()).toBe(0);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("a bubble goes on when the user does what it says, and escape ends the tour for good", async () => {
+  harness = await EditorHarness.open({ firstStart: true });
+  const { user } = harness;
+  const { page } = user;
+  await bubble(user, "Open a model").waitFor();
+  await user.click(/^bust/);
+  await bubble(user, "Graft another one onto it").waitFor();
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.click("Add head");
+  await bubble(user, "Change it, and accept it").waitFor({ timeout: 20_000 });
+  await page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await bubble(user, "Take hold of something").waitFor();
+  await page.getByRole("tab", { name: "Deform" }).click();
+  await user.press("h");
+  await user.rests();
+  const middle = await page.evaluate(() => {
+    const box = window.meshgraft.viewport.canvas.getBoundingClientRect();
+    return [box.left + box.width / 2, box.top + box.height / 2] as const;
+  });
+  await user.stroke([middle, [middle[0] + 10, middle[1] + 10]]);
+  await bubble(user, "Move it").waitFor();
+  await user.settle();
+  const ball = await gripOf(user, "ball");
+  await user.stroke([ball, [ball[0] + 20, ball[1] - 20]]);
+  await bubble(user, "Keep it").waitFor();
+  await user.press("Escape");
+  await bubble(user, "Keep it").waitFor({ state: "detached" });
+  const next = await harness.tab();
+  await next.page.getByRole("heading", { name: "Samples" }).waitFor();
+  expect(await bubble(next, "Open a model").count()).toBe(0);
+
+  await user.press("?");
+  await page.getByRole("dialog", { name: "Help" }).getByText("While moving, rotating, scaling").waitFor();
+  await user.screenshot("tour-help");
+  await page.getByRole("dialog", { name: "Help" }).getByRole("button", { name: "Start the guided tour" }).click();
+  await bubble(user, "Open a model").waitFor(); // the open bust has steps already
+  expect(user.complaints).toEqual([]);
+}, 120_000);
