@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "core/parallel.h"
 #include "disjoint_sets.h"
 #include "fans.h"
 
@@ -61,6 +62,48 @@ Components measure(const Mesh& mesh, const EdgeTable& table) {
   return components;
 }
 
+// Sums of consecutive faces of one component.
+struct FaceRun {
+  Index component;
+  double volume, area;
+};
+
+// Sums up blocks of a fixed size, so that the result does not depend on the number of threads.
+Components measure(const Mesh& mesh, const SimpleSurface& surface, const Context& context) {
+  Components components{surface.components, Flags(surface.components.size(), 1),
+                        std::vector<double>(surface.components.size(), 0),
+                        std::vector<double>(surface.components.size(), 0)};
+  const std::vector<Index>& corners = mesh.faces.corners();
+  for (const Index corner : surface.leaving) components.closed[surface.components[corners[corner]]] = 0;
+  constexpr std::size_t block_size = 4096;
+  const auto faces = static_cast<std::size_t>(mesh.face_count());
+  std::vector<std::vector<FaceRun>> blocks((faces + block_size - 1) / block_size);
+  const auto measure_block = [&](std::size_t block) {
+    std::vector<FaceRun>& runs = blocks[block];
+    for (std::size_t f = block * block_size; f < std::min(faces, (block + 1) * block_size); ++f) {
+      const Index component = surface.components[corners[3 * f]];
+      const Eigen::RowVector3d origin = mesh.positions.row(component), a = mesh.positions.row(corners[3 * f]);
+      const Eigen::RowVector3d normal =
+          (mesh.positions.row(corners[3 * f + 1]) - a).cross(mesh.positions.row(corners[3 * f + 2]) - a);
+      if (runs.empty() || runs.back().component != component) runs.push_back({component, 0, 0});
+      runs.back().volume += (a - origin).dot(normal) / 6;
+      runs.back().area += normal.norm() / 2;
+    }
+  };
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t block = begin; block < end; ++block) measure_block(block);
+      },
+      context, 1);
+  for (const auto& runs : blocks)
+    for (const FaceRun& run : runs) {
+      components.volume[run.component] += run.volume;
+      components.area[run.component] += run.area;
+    }
+  return components;
+}
+
 // Returns the winding number of the faces around a point (van Oosterom and Strackee, 1983).
 double winding_number(const Mesh& mesh, const std::vector<Index>& faces, const Eigen::RowVector3d& point) {
   double solid_angle = 0;
@@ -78,10 +121,10 @@ double winding_number(const Mesh& mesh, const std::vector<Index>& faces, const E
   return solid_angle / (4 * std::numbers::pi);
 }
 
-}  // namespace
-
-InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, const Context& context) {
-  Components components = measure(mesh, table);
+// Returns the inward-facing components. `is_usable` tells whether a face has a component.
+template <class IsUsable>
+InwardComponents find_inward(const Mesh& mesh, Components components, const IsUsable& is_usable,
+                             const Context& context) {
   constexpr double flat = 1e-9;  // × area^1.5: smaller volumes count as zero
   std::vector<Index> closed, inward;
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
@@ -94,8 +137,7 @@ InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, con
     for (Index v = 0; v < mesh.vertex_count(); ++v) box[components.component[v]].add(mesh.positions.row(v));
     std::vector<std::vector<Index>> faces(mesh.vertex_count());
     for (Index f = 0; f < mesh.face_count(); ++f)
-      if (const auto face = mesh.faces[f]; !face.empty() && table.next[mesh.faces.first_corner(f)] >= 0)
-        faces[components.component[face[0]]].push_back(f);
+      if (is_usable(f)) faces[components.component[mesh.faces[f][0]]].push_back(f);
     std::erase_if(inward, [&](Index component) {
       context.throw_if_stopped();
       return std::any_of(closed.begin(), closed.end(), [&](Index other) {
@@ -105,6 +147,19 @@ InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, con
     });
   }
   return {std::move(components.component), std::move(inward)};
+}
+
+}  // namespace
+
+InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, const Context& context) {
+  const auto is_usable = [&](Index f) {
+    return !mesh.faces[f].empty() && table.next[mesh.faces.first_corner(f)] >= 0;
+  };
+  return find_inward(mesh, measure(mesh, table), is_usable, context);
+}
+
+InwardComponents inward_components(const Mesh& mesh, const SimpleSurface& surface, const Context& context) {
+  return find_inward(mesh, measure(mesh, surface, context), [](Index) { return true; }, context);
 }
 
 }  // namespace meshgraft

@@ -6,6 +6,7 @@
 #include <meshgraft/mesh/mesh.h>
 
 #include "edge_table.h"
+#include "simple_surface.h"
 
 namespace meshgraft {
 
@@ -17,5 +18,8 @@ struct InwardComponents {
 };
 
 InwardComponents inward_components(const Mesh& mesh, const EdgeTable& table, const Context& context = {});
+
+/// Returns the same for a mesh with a simple surface.
+InwardComponents inward_components(const Mesh& mesh, const SimpleSurface& surface, const Context& context = {});
 
 }  // namespace meshgraft

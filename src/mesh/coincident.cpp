@@ -125,4 +125,11 @@ std::vector<Index> open_seam_vertices(const Mesh& mesh, const EdgeTable& table) 
   return ends;
 }
 
+std::vector<Index> open_seam_vertices(const Mesh& mesh, const SimpleSurface& surface) {
+  std::vector<Index> boundary;
+  for (const Index corner : surface.leaving) boundary.push_back(mesh.faces.corners()[corner]);
+  if (coincident_classes(mesh.positions, boundary) == boundary) return {};
+  return open_seam_vertices(mesh, EdgeTable(mesh.vertex_count(), mesh.faces));
+}
+
 }  // namespace meshgraft

@@ -6,6 +6,7 @@
 #include <meshgraft/mesh/mesh.h>
 
 #include "edge_table.h"
+#include "simple_surface.h"
 
 namespace meshgraft {
 
@@ -25,5 +26,8 @@ IndexLists coincident_boundary_edges(const EdgeTable& table, std::span<const Ind
 /// at exactly the same position as another end of such an edge. Vertices whose boundaries touch only in a
 /// point are excluded.
 std::vector<Index> open_seam_vertices(const Mesh& mesh, const EdgeTable& table);
+
+/// Returns the same for a mesh with a simple surface.
+std::vector<Index> open_seam_vertices(const Mesh& mesh, const SimpleSurface& surface);
 
 }  // namespace meshgraft

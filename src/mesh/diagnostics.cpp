@@ -9,6 +9,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "checked_surface.h"
 #include "closed_components.h"
 #include "coincident.h"
 #include "core/parallel.h"
@@ -116,9 +117,10 @@ void add_outlying(const Mesh& mesh, const OutlyingVertices& outlying, std::vecto
 
 // Returns the inward-facing components. The volume of one with an outlying vertex is that vertex's alone, and
 // tells nothing.
-std::vector<Index> inward(const Mesh& mesh, const EdgeTable& table, const OutlyingVertices& outlying,
+template <class Surface>
+std::vector<Index> inward(const Mesh& mesh, const Surface& surface, const OutlyingVertices& outlying,
                           const Context& context) {
-  auto [component, components] = inward_components(mesh, table, context);
+  auto [component, components] = inward_components(mesh, surface, context);
   for (const Index v : outlying.far) std::erase(components, component[v]);
   return std::move(components);
 }
@@ -175,28 +177,25 @@ const Finding* Diagnostics::find(FindingKind kind) const {
   return found == findings.end() ? nullptr : &*found;
 }
 
-Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
-  Diagnostics report;
-  const auto add = [&](FindingKind kind, Severity severity, Domain domain, CountedNote note,
-                       std::vector<Index> indices, std::size_t edges = 0) {
+namespace {
+
+// Collects findings, worst first. A kind without elements is no finding.
+class Findings {
+ public:
+  explicit Findings(Diagnostics& report) : report_(report) {}
+  void add(FindingKind kind, Severity severity, Domain domain, CountedNote note, std::vector<Index> indices,
+           std::size_t edges = 0) {
     const auto count = static_cast<Index>(edges > 0 ? edges : indices.size());
-    if (count > 0) report.findings.push_back({kind, severity, count, domain, std::move(indices), note(count)});
-  };
+    if (count > 0) report_.findings.push_back({kind, severity, count, domain, std::move(indices), note(count)});
+  }
 
-  context.step("check", 0);
-  const Index vertices = mesh.vertex_count();
-  const Index faces = mesh.face_count();
-  const auto where = [&](Index count, const auto& predicate) {
-    return indices_where(count, predicate, context);
-  };
-  add(FindingKind::non_finite, Severity::refused, Domain::vertex, counted<facts::mesh::NonFinite>,
-      where(vertices, [&](Index v) { return !is_finite(mesh, v); }));
-  const OutlyingVertices outlying = find_outlying(mesh);
-  context.throw_if_stopped();
-  add_outlying(mesh, outlying, report.findings);
-  add(FindingKind::index_out_of_range, Severity::refused, Domain::face, counted<facts::mesh::IndexOutOfRange>,
-      where(faces, [&](Index f) { return !in_range(mesh, f); }));
+ private:
+  Diagnostics& report_;
+};
 
+// Adds the findings about vertices and faces one by one.
+void add_elements(const Mesh& mesh, const OutlyingVertices& outlying, Findings& findings,
+                  const Context& context) {
   const auto degenerate = [&](Index f) { return is_degenerate(mesh.faces[f]); };
   const auto without_area = [&](Index f) {
     if (!in_range(mesh, f) || degenerate(f)) return false;
@@ -205,37 +204,97 @@ Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
     }
     return has_no_area(mesh.faces[f], mesh.positions);
   };
-  add(FindingKind::degenerate_face, Severity::worked_around, Domain::face, counted<facts::mesh::DegenerateFace>,
-      where(faces, degenerate));
-  add(FindingKind::zero_area_face, Severity::worked_around, Domain::face, counted<facts::mesh::ZeroAreaFace>,
-      where(faces, without_area));
+  findings.add(FindingKind::degenerate_face, Severity::worked_around, Domain::face,
+               counted<facts::mesh::DegenerateFace>, indices_where(mesh.face_count(), degenerate, context));
+  findings.add(FindingKind::zero_area_face, Severity::worked_around, Domain::face,
+               counted<facts::mesh::ZeroAreaFace>, indices_where(mesh.face_count(), without_area, context));
+}
 
-  context.step("check", 0.2);
-  const EdgeTable table(vertices, mesh.faces, context);
-  context.step("check", 0.6);
+void add_isolated(std::vector<Index> vertices, Findings& findings) {
+  findings.add(FindingKind::isolated_vertex, Severity::worked_around, Domain::vertex,
+               counted<facts::mesh::IsolatedVertex>, std::move(vertices));
+}
+
+void add_duplicates(std::vector<Index> vertices, Findings& findings) {
+  findings.add(FindingKind::duplicate_vertex, Severity::worked_around, Domain::vertex,
+               counted<facts::mesh::DuplicateVertex>, std::move(vertices));
+}
+
+void add_inward(std::vector<Index> vertices, Findings& findings) {
+  findings.add(FindingKind::inward_facing_component, Severity::info, Domain::vertex,
+               counted<facts::mesh::InwardFacingComponent>, std::move(vertices));
+}
+
+// Adds the findings about how faces are connected. A simple surface can have only three kinds of them.
+void add_connections(const Mesh& mesh, const SimpleSurface& surface, const OutlyingVertices& outlying,
+                     Findings& findings, const Context& context) {
+  add_isolated(indices_where(
+                   mesh.vertex_count(), [&](Index v) { return surface.faces_around[v].empty(); }, context),
+               findings);
+  add_duplicates(open_seam_vertices(mesh, surface), findings);
+  context.step("check", 0.9);
+  add_inward(inward(mesh, surface, outlying, context), findings);
+}
+
+void add_connections(const Mesh& mesh, const EdgeTable& table, const OutlyingVertices& outlying,
+                     Findings& findings, const Context& context) {
+  const auto where = [&](Index count, const auto& predicate) {
+    return indices_where(count, predicate, context);
+  };
   const std::vector<Index> fans = fan_counts(mesh, table);
   const auto non_manifold = where(table.edge_count(), [&](Index e) { return table.half_edges[e].size() > 2; });
   const auto against =
       where(table.edge_count(), [&](Index e) { return consistently_oriented(mesh, table, e) == false; });
-  add(FindingKind::isolated_vertex, Severity::worked_around, Domain::vertex,
-      counted<facts::mesh::IsolatedVertex>, where(vertices, [&](Index v) { return fans[v] == 0; }));
-  add(FindingKind::duplicate_vertex, Severity::worked_around, Domain::vertex,
-      counted<facts::mesh::DuplicateVertex>, open_seam_vertices(mesh, table));
-  add(FindingKind::non_manifold_edge, Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldEdge>,
-      ends_of(table, non_manifold), non_manifold.size());
-  add(FindingKind::non_manifold_vertex, Severity::info, Domain::vertex, counted<facts::mesh::NonManifoldVertex>,
-      where(vertices, [&](Index v) { return fans[v] > 1; }));
-  add(FindingKind::duplicate_face, Severity::info, Domain::face, counted<facts::mesh::DuplicateFace>,
-      repeated_faces(mesh, table));
-  add(FindingKind::inconsistent_winding, Severity::info, Domain::vertex,
-      counted<facts::mesh::InconsistentWinding>, ends_of(table, against), against.size());
+  add_isolated(where(mesh.vertex_count(), [&](Index v) { return fans[v] == 0; }), findings);
+  add_duplicates(open_seam_vertices(mesh, table), findings);
+  findings.add(FindingKind::non_manifold_edge, Severity::info, Domain::vertex,
+               counted<facts::mesh::NonManifoldEdge>, ends_of(table, non_manifold), non_manifold.size());
+  findings.add(FindingKind::non_manifold_vertex, Severity::info, Domain::vertex,
+               counted<facts::mesh::NonManifoldVertex>,
+               where(mesh.vertex_count(), [&](Index v) { return fans[v] > 1; }));
+  findings.add(FindingKind::duplicate_face, Severity::info, Domain::face, counted<facts::mesh::DuplicateFace>,
+               repeated_faces(mesh, table));
+  findings.add(FindingKind::inconsistent_winding, Severity::info, Domain::vertex,
+               counted<facts::mesh::InconsistentWinding>, ends_of(table, against), against.size());
   context.step("check", 0.9);
-  add(FindingKind::inward_facing_component, Severity::info, Domain::vertex,
-      counted<facts::mesh::InwardFacingComponent>, inward(mesh, table, outlying, context));
-  add(FindingKind::polygon, Severity::info, Domain::face, counted<facts::mesh::Polygon>,
-      where(faces, [&](Index f) { return mesh.faces[f].size() > 3; }));
+  add_inward(inward(mesh, table, outlying, context), findings);
+}
+
+}  // namespace
+
+CheckedSurface check_surface(const Mesh& mesh, const Context& context) {
+  CheckedSurface checked;
+  Diagnostics& report = checked.diagnostics;
+  Findings findings(report);
+  context.step("check", 0);
+  findings.add(FindingKind::non_finite, Severity::refused, Domain::vertex, counted<facts::mesh::NonFinite>,
+               indices_where(mesh.vertex_count(), [&](Index v) { return !is_finite(mesh, v); }, context));
+  const OutlyingVertices outlying = find_outlying(mesh, context);
+  context.throw_if_stopped();
+  add_outlying(mesh, outlying, report.findings);
+  findings.add(FindingKind::index_out_of_range, Severity::refused, Domain::face,
+               counted<facts::mesh::IndexOutOfRange>,
+               indices_where(mesh.face_count(), [&](Index f) { return !in_range(mesh, f); }, context));
+  add_elements(mesh, outlying, findings, context);
+
+  context.step("check", 0.2);
+  checked.surface = find_simple_surface(mesh, context);
+  context.step("check", 0.4);
+  if (checked.surface) {
+    add_connections(mesh, *checked.surface, outlying, findings, context);
+  } else {
+    const EdgeTable table(mesh.vertex_count(), mesh.faces, context);
+    context.step("check", 0.6);
+    add_connections(mesh, table, outlying, findings, context);
+  }
+  findings.add(FindingKind::polygon, Severity::info, Domain::face, counted<facts::mesh::Polygon>,
+               indices_where(mesh.face_count(), [&](Index f) { return mesh.faces[f].size() > 3; }, context));
   context.step("check", 1);
-  return report;
+  return checked;
+}
+
+Diagnostics check_mesh(const Mesh& mesh, const Context& context) {
+  return check_surface(mesh, context).diagnostics;
 }
 
 bool Diagnostics::has_defects() const {

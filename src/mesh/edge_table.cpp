@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/parallel.h"
 #include "core/sparse_checks.h"
 
 namespace meshgraft {
@@ -88,35 +89,60 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces, const Context& cont
   if (!ends.empty()) half_edges.offsets.push_back(static_cast<Index>(half_edges.values.size()));
 }
 
-std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles) {
-  struct Side {
-    Index head, face;
-    bool forward;
-    auto operator<=>(const Side&) const = default;
-  };
+namespace {
+
+struct Side {
+  Index head, face;
+  bool forward;
+  auto operator<=>(const Side&) const = default;
+};
+
+// Appends the edges from a vertex to larger neighbours. `sides` is memory for the work.
+void append_edges(Index v, const Triangles& triangles, std::span<const Index> faces, std::vector<Side>& sides,
+                  std::vector<TriangleEdge>& edges) {
+  sides.clear();
+  for (const Index f : faces) {
+    if (repeats_vertex(triangles, f)) continue;
+    const int c = triangles(f, 0) == v ? 0 : triangles(f, 1) == v ? 1 : 2;
+    const Index next = triangles(f, (c + 1) % 3), previous = triangles(f, (c + 2) % 3);
+    if (next > v) sides.push_back({next, f, true});
+    if (previous > v) sides.push_back({previous, f, false});
+  }
+  std::sort(sides.begin(), sides.end());
+  for (const Side& side : sides) {
+    if (edges.empty() || edges.back().ends[0] != v || edges.back().ends[1] != side.head)
+      edges.push_back({{v, side.head}});
+    TriangleEdge& edge = edges.back();
+    const Index faces_before = edge.forward + edge.backward;
+    if (faces_before < 2) edge.faces[faces_before] = side.face;
+    ++(side.forward ? edge.forward : edge.backward);
+  }
+}
+
+}  // namespace
+
+std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles,
+                                     const Context& context) {
+  constexpr std::size_t block_size = 8192;  // vertices
+  const auto count = static_cast<std::size_t>(vertex_triangles.size());
+  std::vector<std::vector<TriangleEdge>> blocks((count + block_size - 1) / block_size);
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Side> sides;
+        for (std::size_t block = begin; block < end; ++block)
+          for (std::size_t v = block * block_size; v < std::min(count, (block + 1) * block_size); ++v)
+            append_edges(static_cast<Index>(v), triangles, vertex_triangles[static_cast<Index>(v)], sides,
+                         blocks[block]);
+      },
+      context, 1);
+  std::size_t total = 0;
+  for (const auto& block : blocks) total += block.size();
   std::vector<TriangleEdge> edges;
-  edges.reserve(static_cast<std::size_t>(triangles.rows()) * 3 / 2 + 64);
-  std::vector<Side> sides;
-  // Each vertex contributes the edges to larger neighbours.
-  for (Index v = 0; v < vertex_triangles.size(); ++v) {
-    sides.clear();
-    for (const Index f : vertex_triangles[v]) {
-      if (repeats_vertex(triangles, f)) continue;
-      const int c = triangles(f, 0) == v ? 0 : triangles(f, 1) == v ? 1 : 2;
-      const Index next = triangles(f, (c + 1) % 3), previous = triangles(f, (c + 2) % 3);
-      if (next > v) sides.push_back({next, f, true});
-      if (previous > v) sides.push_back({previous, f, false});
-    }
-    std::sort(sides.begin(), sides.end());
-    for (const Side& side : sides) {
-      if (edges.empty() || edges.back().ends[0] != v || edges.back().ends[1] != side.head) {
-        edges.push_back({{v, side.head}});
-      }
-      TriangleEdge& edge = edges.back();
-      const Index faces_before = edge.forward + edge.backward;
-      if (faces_before < 2) edge.faces[faces_before] = side.face;
-      ++(side.forward ? edge.forward : edge.backward);
-    }
+  edges.reserve(total);
+  for (auto& block : blocks) {
+    edges.insert(edges.end(), block.begin(), block.end());
+    block = {};
   }
   return edges;
 }

@@ -40,6 +40,7 @@ struct TriangleEdge {
 /// Lists the edges of a triangle mesh, ascending in their ends. A triangle that repeats a vertex has no edges.
 /// If the lists of `vertex_triangles` exist anyway, this takes half the memory of an EdgeTable, and less
 /// time if neighbouring vertices have near numbers.
-std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles);
+std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles,
+                                     const Context& context = {});
 
 }  // namespace meshgraft

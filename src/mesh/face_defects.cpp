@@ -41,10 +41,33 @@ double unit_scale(double length) {
   return length > 0 && std::isfinite(length) ? std::ldexp(1, std::clamp(-std::ilogb(length), -most, most)) : 1;
 }
 
+// Returns whether a triangle certainly has an area, by a fast test with a wide margin. It decides nothing for
+// lengths whose products may overflow or underflow.
+bool has_clear_area(const double* a, const double* b, const double* c) {
+  constexpr double margin = 16, least = 1e-60, most = 1e60;
+  const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  const double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+  const double double_area2 = x * x + y * y + z * z;
+  // The longest edge is at most as long as two of the others together.
+  const double longest2 =
+      2 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  double largest = 0;
+  for (int k = 0; k < 3; ++k) largest = std::max({largest, std::abs(a[k]), std::abs(b[k]), std::abs(c[k])});
+  const double precision = precision_rel * largest;
+  return longest2 > least && longest2 < most && largest < most &&
+         double_area2 > margin * std::max(area_rel * area_rel * longest2, precision * precision) * longest2;
+}
+
 }  // namespace
 
 bool has_no_area(std::span<const Index> face, const Points& positions) {
   const std::size_t n = face.size();
+  if (n == 3) {
+    const double* const points = positions.data();
+    if (has_clear_area(points + 3 * std::ptrdiff_t{face[0]}, points + 3 * std::ptrdiff_t{face[1]},
+                       points + 3 * std::ptrdiff_t{face[2]}))
+      return false;
+  }
   const Eigen::RowVector3d origin = positions.row(face[0]);
   double largest = 0, extent = 0;
   for (const Index v : face) {

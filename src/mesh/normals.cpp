@@ -1,5 +1,6 @@
 #include <meshgraft/mesh/normals.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -204,6 +205,10 @@ void update_normals(Mesh& mesh, const Points& rest) {
   if (rest.rows() != mesh.positions.rows())
     throw Error(facts::core::SizeMismatch{
         .what = facts::core::Rows::rest_positions, .given = rest.rows(), .needed = mesh.positions.rows()});
+  const bool has_directions = std::ranges::any_of(mesh.attributes, [](const Attribute& attribute) {
+    return attribute.name == "normal" || attribute.name == "tangent";
+  });
+  if (!has_directions) return;
   const Flags moved = moved_faces(mesh, rest);
   for (Attribute& attribute : mesh.attributes) {
     if (attribute.name != "normal" || attribute.components != 3) continue;

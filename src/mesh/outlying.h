@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
 
 namespace meshgraft {
@@ -29,6 +30,6 @@ struct OutlyingVertices {
 };
 
 /// Finds them; non-finite vertices are in neither list. Takes linear time.
-OutlyingVertices find_outlying(const Mesh& mesh);
+OutlyingVertices find_outlying(const Mesh& mesh, const Context& context = {});
 
 }  // namespace meshgraft

@@ -13,17 +13,11 @@
 #include "edge_table.h"
 #include "fans.h"
 #include "shortest_distances.h"
+#include "simple_surface.h"
 
 namespace meshgraft {
 
 namespace {
-
-bool repeats(const Triangles& triangles, Eigen::Index t, int corner) {
-  for (int c = 0; c < corner; ++c) {
-    if (triangles(t, c) == triangles(t, corner)) return true;
-  }
-  return false;
-}
 
 bool in_range(Index vertex, Index vertex_count) { return vertex >= 0 && vertex < vertex_count; }
 
@@ -142,26 +136,11 @@ void begin_with_smallest(std::vector<Index>& loop) {
 }  // namespace
 
 IndexLists vertex_triangles(Index vertex_count, const Triangles& triangles, const Context& context) {
-  context.throw_if_stopped();
-  IndexLists lists;
-  lists.offsets.assign(static_cast<std::size_t>(vertex_count) + 1, 0);
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      if (!in_range(triangles(t, c), vertex_count)) {
-        fail_index(triangles(t, c), vertex_count, Location::place("triangle " + std::to_string(t)));
-      }
-      if (!repeats(triangles, t, c)) ++lists.offsets[triangles(t, c) + 1];
-    }
-  }
-  prefix_sum(lists.offsets);
-  lists.values.resize(lists.offsets.back());
-  std::vector<Index> cursor(lists.offsets.begin(), lists.offsets.end() - 1);
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int c = 0; c < 3; ++c) {
-      if (!repeats(triangles, t, c)) lists.values[cursor[triangles(t, c)]++] = static_cast<Index>(t);
-    }
-  }
-  return lists;
+  const std::span<const Index> corners(triangles.data(), static_cast<std::size_t>(triangles.size()));
+  for (std::size_t c = 0; c < corners.size(); ++c)
+    if (!in_range(corners[c], vertex_count))
+      fail_index(corners[c], vertex_count, Location::place("triangle " + std::to_string(c / 3)));
+  return triangles_around(vertex_count, corners, context);
 }
 
 IndexLists vertex_rings(Index vertex_count, const Triangles& triangles, const Context& context) {
@@ -253,6 +232,7 @@ IndexLists vertex_rings(Index vertex_count, const Faces& faces) {
 }
 
 Connectivity connectivity(const Mesh& mesh) {
+  if (const auto surface = find_simple_surface(mesh)) return connectivity(mesh, *surface);
   const EdgeTable table(mesh.vertex_count(), mesh.faces);
   Index count = 0;
   return {rings_of(mesh.vertex_count(), table), components_of(mesh.vertex_count(), table, count),

@@ -15,7 +15,9 @@
 #include "baselines/baselines.h"
 #include "core/memory.h"
 #include "core/stopwatch.h"
+#include "deform/measure/quality_of_surface.h"
 #include "deform/setup/memory_estimate.h"
+#include "mesh/simple_surface.h"
 #include "mesh/weld.h"
 #include "refine_boundary.h"
 #include "resolve_deform.h"
@@ -239,7 +241,8 @@ Points keep_solution(Solution& solution, DeformSetup& setup, MeshState& state) {
   Mesh& mesh = weld.empty() ? state.mesh : setup.welded;
   const Index count = state.mesh.vertex_count();
   std::erase_if(solution.free, [&](Index v) { return v >= count; });
-  Points rest = std::exchange(mesh.positions, solution.positions.topRows(count));
+  if (solution.positions.rows() > count) solution.positions.conservativeResize(count, 3);
+  Points rest = std::exchange(mesh.positions, std::move(solution.positions));
   update_normals(mesh, rest);
   for (const Index v : solution.free) state.was_free[v] = 1;
   if (!weld.empty()) {
@@ -310,6 +313,16 @@ MergeSettings effective_settings(MergeSettings settings, const SettingsOverrides
   return settings;
 }
 
+namespace {
+
+// Returns the triangles of a mesh. Those of a simple surface are its faces.
+Triangles triangles_of(const Mesh& mesh, bool is_simple_surface) {
+  if (is_simple_surface) return Eigen::Map<const Triangles>(mesh.faces.corners().data(), mesh.face_count(), 3);
+  return triangulate(mesh, {.skip_out_of_range = true}).triangles;
+}
+
+}  // namespace
+
 DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Location& location,
                           const MeshState& state, const DeformSettings& settings) {
   DeformSetup setup;
@@ -319,12 +332,14 @@ DeformSetup set_up_deform(const EditFile& edit, const DeformStep& step, const Lo
   if (!setup.weld.empty()) setup.welded = welded(state.mesh, setup.weld);
   const Mesh& mesh = setup.weld.empty() ? state.mesh : setup.welded;
   {
-    const SelectionMesh selections(mesh, setup.weld);
+    const SelectionMesh selections = setup.weld.empty() && state.surface
+                                         ? SelectionMesh(mesh, connectivity(mesh, *state.surface))
+                                         : SelectionMesh(mesh, setup.weld);
     setup.problem.deform = resolve_deform(edit, step, selections, location, state.produced);
     require_sound_within_reach(state, setup.problem.deform.region, selections, reach_rings(settings));
   }
   setup.problem.rest = mesh.positions;
-  setup.problem.triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
+  setup.problem.triangles = triangles_of(mesh, setup.weld.empty() && state.surface);
   return setup;
 }
 
@@ -359,7 +374,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   DeformSetup setup = set_up_deform(edit, step, location, state, report.settings);
   ResolvedProblem& problem = setup.problem;
   const Weld& weld = setup.weld;
-  const Triangles triangles = problem.triangles;
+  const bool has_surface = weld.empty() && state.surface;
   report.seconds.select = watch.lap();
 
   report.symmetry = problem.deform.symmetry;
@@ -381,6 +396,9 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   if (!is_own || report.settings.proxy > 0) levels = levels.value_or(0);
   problem = refine_boundary(std::move(problem), levels, context);
   report.refined_vertices = static_cast<Index>(problem.rest.rows()) - state.mesh.vertex_count();
+  Triangles own;  // before refinement
+  if (report.refined_vertices > 0) own = triangles_of(weld.empty() ? state.mesh : setup.welded, has_surface);
+  const Triangles& triangles = report.refined_vertices > 0 ? own : problem.triangles;
   report.seconds.select += watch.lap();
 
   Solution solution;
@@ -399,7 +417,9 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   const Points rest = keep_solution(solution, setup, state);
   report.counts.free = static_cast<Index>(solution.free.size());
   report.max_displacement = largest_displacement(rest, state.mesh.positions);
-  report.quality = measure_quality({rest, state.mesh.positions, triangles, solution.free}, {}, context);
+  const EditedMesh edited{rest, state.mesh.positions, triangles, solution.free};
+  report.quality =
+      has_surface ? measure_quality(edited, *state.surface, {}, context) : measure_quality(edited, {}, context);
   const std::vector<Note> notes = notes_of(report, smallest_scale(problem.deform));
   report.notes.insert(report.notes.end(), notes.begin(), notes.end());
   if (!weld.empty()) report.notes.push_back(facts::script::Welded{.vertices = weld.copies});

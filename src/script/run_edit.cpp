@@ -14,6 +14,7 @@
 
 #include "core/stopwatch.h"
 #include "io/file.h"
+#include "mesh/checked_surface.h"
 #include "run_steps.h"
 #include "script/facts.h"
 #include "sha256.h"
@@ -132,13 +133,19 @@ MeshState& state_for_outcome(const EditStep& step, std::map<std::string, MeshSta
   return states.at(output);
 }
 
+void check_state(MeshState& state, const Context& context) {
+  CheckedSurface checked = check_surface(state.mesh, context);
+  state.diagnostics = std::move(checked.diagnostics);
+  state.surface = std::move(checked.surface);
+}
+
 MeshState make_mesh_state(Mesh mesh, std::string label, const Context& context) {
   MeshState state;
-  state.diagnostics = check_mesh(mesh, context);
-  state.rest = mesh.positions;
-  state.was_free.assign(mesh.vertex_count(), 0);
-  state.label = std::move(label);
   state.mesh = std::move(mesh);
+  check_state(state, context);
+  state.rest = state.mesh.positions;
+  state.was_free.assign(state.mesh.vertex_count(), 0);
+  state.label = std::move(label);
   return state;
 }
 

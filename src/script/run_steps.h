@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include <meshgraft/script/run_edit.h>
 
 #include "merge/open_hole.h"
+#include "mesh/simple_surface.h"
 #include "mesh/weld.h"
 #include "refine_boundary.h"
 #include "resolve_deform.h"
@@ -27,8 +29,9 @@ struct MeshState {
   Points rest;        ///< before the first deform step since the faces last changed
   std::string label;  ///< the file or sample it came from
   Diagnostics diagnostics;
-  Flags was_free;       ///< per vertex: free in any deform step
-  bool is_cut = false;  ///< the edit cut it: vertices there coincide on purpose
+  std::shared_ptr<const SimpleSurface> surface;  ///< the mesh's connectivity; null if it is no simple surface
+  Flags was_free;                                ///< per vertex: free in any deform step
+  bool is_cut = false;                           ///< the edit cut it: vertices there coincide on purpose
   ProducedSets produced;
   /// Orientations that the model may have: one that its input tells, or guesses from before it was cut. Empty:
   /// nobody asked yet.
@@ -45,6 +48,9 @@ struct LoadedInputs {
 
 /// Reads and checks the inputs. Throws Error(io) and Error(input), naming the input.
 LoadedInputs load_inputs(const EditFile& edit, const Context& context);
+
+/// Checks the state's mesh, after its faces have changed.
+void check_state(MeshState& state, const Context& context);
 
 /// Makes a state of a mesh that no step has changed: checks it and leaves it unchanged.
 MeshState make_mesh_state(Mesh mesh, std::string label, const Context& context);

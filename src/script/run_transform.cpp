@@ -75,7 +75,7 @@ StepReport run_transform(const EditStep& edit_step, const Location& location,
   state.rest = ((state.rest * map.linear().transpose()).rowwise() + map.translation().transpose()).eval();
   state.orientations = transformed(std::move(state.orientations), map.linear());
   report.seconds.solve = watch.lap();
-  state.diagnostics = check_mesh(state.mesh, context);
+  check_state(state, context);
   report.counts.vertices = state.mesh.vertex_count();
   report.counts.faces = state.mesh.face_count();
   report.transform = map;

@@ -273,10 +273,25 @@ class Resolver {
   }
 
   Flags within_rings_of_outside(const std::vector<Index>& inside, std::int64_t rings) const {
+    // The way from outside to a vertex inside is shortest where it stays inside.
     const Flags in = flags_of(inside, count_);
-    const std::vector<Index> outside = vertices_where(count_, [&](Index v) { return !in[v]; });
-    const auto most = static_cast<int>(std::min<std::int64_t>(rings, count_));
-    return flags_of(grow_rings(outside, most, context_.rings), count_);
+    Flags near(count_, 0);
+    std::vector<Index> front, next;
+    const auto reach = [&](Index v, std::vector<Index>& reached) {
+      if (near[v]) return;
+      near[v] = 1;
+      reached.push_back(v);
+    };
+    for (const Index v : inside)
+      if (std::ranges::any_of(context_.rings[v], [&](Index w) { return !in[w]; })) reach(v, front);
+    for (std::int64_t ring = 1; ring < rings && !front.empty(); ++ring) {
+      next.clear();
+      for (const Index v : front)
+        for (const Index w : context_.rings[v])
+          if (in[w]) reach(w, next);
+      front.swap(next);
+    }
+    return near;
   }
 
   template <typename Predicate>
@@ -339,12 +354,16 @@ class Resolver {
 
 }  // namespace
 
-SelectionMesh::SelectionMesh(const Mesh& the_mesh, Weld the_weld) : mesh(the_mesh), weld(std::move(the_weld)) {
-  auto [the_rings, the_components, the_loops] = connectivity(the_mesh);
-  rings = std::move(the_rings);
-  components = std::move(the_components);
-  loops = std::move(the_loops);
+SelectionMesh::SelectionMesh(const Mesh& the_mesh, Weld the_weld)
+    : SelectionMesh(the_mesh, connectivity(the_mesh)) {
+  weld = std::move(the_weld);
 }
+
+SelectionMesh::SelectionMesh(const Mesh& the_mesh, Connectivity connectivity)
+    : mesh(the_mesh),
+      rings(std::move(connectivity.rings)),
+      components(std::move(connectivity.components)),
+      loops(std::move(connectivity.loops)) {}
 
 std::vector<Index> resolve(const Selection& selection, const SelectionMesh& context, const Location& location) {
   return Resolver(context).resolve(selection, location);

@@ -15,6 +15,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "deform/measure/quality_of_surface.h"
 #include "support/limb_cases.h"
 
 namespace meshgraft {
@@ -477,6 +478,26 @@ TEST(Quality, FarAndTinyScenesMeasureAlike) {
     const Points far_rest = s.positions.rowwise() + offset, far_edited = edited.rowwise() + offset;
     // Coordinates are rounded by 1e-7, edges are down to 0.3 long, and angles are in degrees.
     expect_near(numbers(measure_quality({far_rest, far_edited, s.triangles, all_vertices(s)})), 1e-4);
+  }
+}
+
+TEST(Quality, IsTheSameWithKnownConnectivity) {
+  for (const Surface& s : families()) {
+    const auto surface = find_simple_surface(make_mesh(s.positions, s.triangles));
+    ASSERT_TRUE(surface) << s.name;
+    for (const double size : {0.0, 0.05, 2.0}) {  // within the box of the surface, and beyond it
+      SCOPED_TRACE(s.name + ", moved by " + std::to_string(size));
+      Points moved = s.positions;
+      std::vector<Index> free;
+      for (Index v = 0; v < static_cast<Index>(moved.rows()) / 3; ++v) {
+        free.push_back(v);
+        moved.row(v) += size * Eigen::RowVector3d(std::sin(v), std::cos(2.0 * v), std::sin(3.0 * v));
+      }
+      const EditedMesh mesh{s.positions, moved, s.triangles, free};
+      const Quality with = measure_quality(mesh, *surface, {}), without = measure_quality(mesh);
+      EXPECT_EQ(numbers(with), numbers(without));
+      EXPECT_EQ(with.narrowest_vertex, without.narrowest_vertex);
+    }
   }
 }
 

@@ -19,6 +19,8 @@ namespace meshgraft {
 /// must outlive it. For a welded mesh it takes the weld; selections then consist of representatives.
 struct SelectionMesh {
   explicit SelectionMesh(const Mesh& mesh, Weld weld = {});
+  /// Takes the connectivity of a mesh without weld, if it is known.
+  SelectionMesh(const Mesh& mesh, Connectivity connectivity);
   const Mesh& mesh;
   Weld weld;
   IndexLists rings;                       ///< vertex rings over the polygons' edges

@@ -18,6 +18,7 @@
 #include "core/percentile.h"
 #include "deform/setup/free_vertices.h"
 #include "mesh/edge_table.h"
+#include "quality_of_surface.h"
 #include "width.h"
 
 namespace meshgraft {
@@ -46,23 +47,42 @@ struct Box {
   Vector3d min = Vector3d::Constant(std::numeric_limits<double>::infinity());
   Vector3d max = -min;
   double extent() const { return (max - min).maxCoeff(); }
+  void include(const Box& other) {
+    min = min.cwiseMin(other.min);
+    max = max.cwiseMax(other.max);
+  }
 };
 
 // Returns the box of vertices with faces. Unused vertices must not affect the units.
-Box bounding_box(const Points& positions, const IndexLists& faces_around) {
+Box bounding_box(const Points& positions, const IndexLists& faces_around, const Context& context) {
+  constexpr std::size_t block_size = 16384;
+  const auto count = static_cast<std::size_t>(faces_around.size());
+  std::vector<Box> blocks((count + block_size - 1) / block_size);
+  const auto box_of_block = [&](std::size_t block) {
+    Box& box = blocks[block];
+    const std::size_t end = std::min(count, (block + 1) * block_size);
+    for (auto v = static_cast<Index>(block * block_size); v < static_cast<Index>(end); ++v) {
+      if (faces_around[v].empty() || !positions.row(v).allFinite()) continue;
+      box.min = box.min.cwiseMin(positions.row(v).transpose());
+      box.max = box.max.cwiseMax(positions.row(v).transpose());
+    }
+  };
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t block = begin; block < end; ++block) box_of_block(block);
+      },
+      context, 1);
   Box box;
-  for (Index v = 0; v < faces_around.size(); ++v) {
-    if (faces_around[v].empty() || !positions.row(v).allFinite()) continue;
-    box.min = box.min.cwiseMin(positions.row(v).transpose());
-    box.max = box.max.cwiseMax(positions.row(v).transpose());
-  }
+  for (const Box& part : blocks) box.include(part);
   return box;
 }
 
 // Returns the poses of both states in one common scale, because their sizes are compared.
-std::pair<Pose, Pose> make_poses(const Points& rest, const Points& edited, const IndexLists& faces_around) {
-  const Box rest_box = bounding_box(rest, faces_around);
-  const Box edited_box = bounding_box(edited, faces_around);
+std::pair<Pose, Pose> make_poses(const Points& rest, const Points& edited, const IndexLists& faces_around,
+                                 const Context& context) {
+  const Box rest_box = bounding_box(rest, faces_around, context);
+  const Box edited_box = bounding_box(edited, faces_around, context);
   const double extent = rest_box.extent();
   const double scale = extent > 0 && std::isfinite(extent) ? std::ldexp(1.0, -std::ilogb(extent)) : 1.0;
   const auto pose = [&](const Points& positions, const Box& box) {
@@ -88,15 +108,23 @@ struct FaceShape {
   bool has_normal() const { return !normal.isZero(0); }
 };
 
-FaceShape measure_shape(const Pose& pose, const std::array<Index, 3>& v, const TriangleEdges& edges) {
+// Returns a shape without its normal.
+FaceShape measure_size(const Pose& pose, const std::array<Index, 3>& v) {
   FaceShape shape;
-  const Vector3d twice_area = edges[0].cross(edges[1]);
-  const double norm = twice_area.norm();
+  const double norm = pose.between(v[0], v[1]).cross(pose.between(v[1], v[2])).norm();
   const double cone = pose.centred(v[0]).dot(pose.centred(v[1]).cross(pose.centred(v[2]))) / 6;
   if (!std::isfinite(norm) || !std::isfinite(cone)) return shape;
   shape.finite = true;
   shape.area = norm / 2;
   shape.cone = cone;
+  return shape;
+}
+
+FaceShape measure_shape(const Pose& pose, const std::array<Index, 3>& v, const TriangleEdges& edges) {
+  FaceShape shape = measure_size(pose, v);
+  if (!shape.finite) return shape;
+  const Vector3d twice_area = edges[0].cross(edges[1]);
+  const double norm = twice_area.norm();
   const double longest = std::max({edges[0].norm(), edges[1].norm(), edges[2].norm()});
   if (norm > longest * pose.resolution) shape.normal = twice_area / norm;
   return shape;
@@ -151,22 +179,44 @@ struct WholeSums {
   }
 };
 
-// Sums up blocks of a fixed size, so that the result does not depend on the number of threads.
+// Returns whether each vertex has another position in the edited state.
+Flags flag_moved(const Points& rest, const Points& edited, const Context& context) {
+  Flags moved(rest.rows(), 0);
+  parallel_blocks(
+      moved.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+          const auto row = static_cast<Eigen::Index>(v);
+          moved[v] = rest(row, 0) != edited(row, 0) || rest(row, 1) != edited(row, 1) ||
+                     rest(row, 2) != edited(row, 2);
+        }
+      },
+      context, 4096);
+  return moved;
+}
+
+// Sums up blocks of a fixed size, so that the result does not depend on the number of threads. A face without a
+// moved vertex has the same shape in both states, unless they are measured from different centres.
 WholeSums sum_over_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
                          const Context& context) {
   constexpr std::size_t block_size = 4096;
   const auto count = static_cast<std::size_t>(triangles.rows());
   std::vector<WholeSums> blocks((count + block_size - 1) / block_size);
+  const bool same_centre = rest.centre == edited.centre;
+  const Flags moved = flag_moved(rest.positions, edited.positions, context);
+  const auto add_face = [&](WholeSums& sums, std::size_t f) {
+    const auto row = triangles.row(static_cast<Eigen::Index>(f));
+    const std::array<Index, 3> v{row[0], row[1], row[2]};
+    const FaceShape shape = measure_size(rest, v);
+    const bool same = same_centre && !moved[v[0]] && !moved[v[1]] && !moved[v[2]];
+    sums.add(shape, same ? shape : measure_size(edited, v));
+  };
   parallel_blocks(
       blocks.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b)
-          for (std::size_t f = b * block_size; f < std::min(count, (b + 1) * block_size); ++f) {
-            const auto row = triangles.row(static_cast<Eigen::Index>(f));
-            const std::array<Index, 3> v{row[0], row[1], row[2]};
-            blocks[b].add(measure_shape(rest, v, triangle_edges(rest, v)),
-                          measure_shape(edited, v, triangle_edges(edited, v)));
-          }
+          for (std::size_t f = b * block_size; f < std::min(count, (b + 1) * block_size); ++f)
+            add_face(blocks[b], f);
       },
       context, 1);
   WholeSums sums;
@@ -441,18 +491,16 @@ void count_flipped(const std::vector<FaceMeasure>& faces, const Triangles& trian
   quality.flipped_faces = static_cast<Index>(std::count(flipped.begin(), flipped.end(), char{1}));
 }
 
-}  // namespace
-
-Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, const Context& context) {
+// Measures a surface with the triangles around its vertices known.
+Quality measure(const EditedMesh& mesh, const IndexLists& faces_around, std::optional<bool> is_closed,
+                const QualityOptions& options, const Context& context) {
   const Points& rest = mesh.rest;
   const Points& edited = mesh.edited;
   const Triangles& triangles = mesh.triangles;
-  require_same_vertices(rest, edited);
   const Flags is_free = flag_free(rest.rows(), mesh.free_vertices);
-  const IndexLists faces_around = vertex_triangles(static_cast<Index>(rest.rows()), triangles, context);
-  const auto [rest_whole, edited_whole] = make_poses(rest, edited, faces_around);
+  const auto [rest_whole, edited_whole] = make_poses(rest, edited, faces_around, context);
   const WholeSums whole = sum_over_faces(rest_whole, edited_whole, triangles, context);
-  const bool closed = whole.finite && is_closed_and_oriented(triangles, faces_around, context);
+  if (!is_closed) is_closed = whole.finite && is_closed_and_oriented(triangles, faces_around, context);
 
   const NearFaces near = near_faces(mesh, is_free, context);
   const Pose rest_pose = rest_whole.of_part(near.rest), edited_pose = edited_whole.of_part(near.edited);
@@ -460,13 +508,13 @@ Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, c
       vertex_triangles(static_cast<Index>(near.rest.rows()), near.triangles, context);
   const std::vector<FaceMeasure> faces =
       measure_faces(rest_pose, edited_pose, near.triangles, near.is_free, context);
-  const std::vector<TriangleEdge> edges = list_edges(near.triangles, near_around);
+  const std::vector<TriangleEdge> edges = list_edges(near.triangles, near_around, context);
   const std::vector<EdgeMeasure> edge_measures =
       measure_edges(rest_pose, edited_pose, edges, faces, near.is_free, context);
 
   Quality quality;
   report_areas(whole, faces, quality);
-  if (closed) report_volume(whole, rest_whole.resolution, quality);
+  if (whole.finite && *is_closed) report_volume(whole, rest_whole.resolution, quality);
   report_stretch(faces, quality);
   report_edges(edge_measures, quality);
   count_flipped(faces, near.triangles, near_around, context, quality);
@@ -478,6 +526,20 @@ Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, c
   quality.narrowest_vertex = narrowest.vertex;
   if (options.self_intersections) quality.new_self_intersections = count_new_self_intersections(mesh, context);
   return quality;
+}
+
+}  // namespace
+
+Quality measure_quality(const EditedMesh& mesh, const QualityOptions& options, const Context& context) {
+  require_same_vertices(mesh.rest, mesh.edited);
+  const auto count = static_cast<Index>(mesh.rest.rows());
+  return measure(mesh, vertex_triangles(count, mesh.triangles, context), std::nullopt, options, context);
+}
+
+Quality measure_quality(const EditedMesh& mesh, const SimpleSurface& surface, const QualityOptions& options,
+                        const Context& context) {
+  require_same_vertices(mesh.rest, mesh.edited);
+  return measure(mesh, surface.faces_around, surface.is_closed(), options, context);
 }
 
 }  // namespace meshgraft
