@@ -80,6 +80,7 @@ render::RenderOptions options_of(const View& view, const Mesh& mesh) {
 render::RenderOptions quick_options_of(const View& view, const Mesh& mesh) {
   render::RenderOptions options = options_of(view, mesh);
   options.occlusion_rays = 8;
+  options.sparse = true;
   return options;
 }
 

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "bvh.h"
+#include "core/parallel.h"
 
 namespace meshgraft {
 
@@ -75,13 +76,18 @@ struct RayTracer::Builder {
   const std::vector<RayTriangle>& triangles;
   const std::vector<std::uint32_t>& finite;  // by item
   const Bvh& tree;
+  std::vector<Box> boxes{};  // by pack
 
   int levels() const { return static_cast<int>(std::bit_width(static_cast<std::uint64_t>(tree.first_leaf()))); }
 
   // Appends what is below a node of the binary tree, and returns its index among nodes or packs.
   std::uint32_t append(Bvh::Node node, int level, Box& box) {
     const int below = levels() - level;
-    if (below == 0) return append_pack(node, box) | pack_bit;
+    if (below == 0) {
+      const std::uint32_t pack = pack_of(node);
+      box = boxes[pack];
+      return pack | pack_bit;
+    }
     const int step = below % 2 == 0 ? 2 : 1;
     const auto index = static_cast<std::uint32_t>(tracer.nodes_.size());
     tracer.nodes_.push_back(empty_node());
@@ -109,7 +115,25 @@ struct RayTracer::Builder {
     return node;
   }
 
-  std::uint32_t append_pack(Bvh::Node half, Box& box) {
+  // Packs are numbered as the halves of leaves.
+  std::uint32_t pack_of(Bvh::Node half) const {
+    return static_cast<std::uint32_t>(half - 2 * tree.first_leaf());
+  }
+
+  void make_packs(const Context& context) {
+    const auto count = 2 * static_cast<std::size_t>(tree.first_leaf());
+    tracer.packs_.resize(count);
+    boxes.resize(count);
+    parallel_blocks(
+        count,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t pack = begin; pack < end; ++pack)
+            tracer.packs_[pack] = make_pack(2 * tree.first_leaf() + static_cast<Bvh::Node>(pack), boxes[pack]);
+        },
+        context, 1024);
+  }
+
+  Pack make_pack(Bvh::Node half, Box& box) const {
     const auto items = half_of_leaf(half);
     Pack pack{};
     for (auto& corner : pack.corners)
@@ -122,8 +146,7 @@ struct RayTracer::Builder {
         for (std::size_t k = 0; k < 3; ++k) pack.corners[corner][k][lane] = point[static_cast<Eigen::Index>(k)];
       }
     }
-    tracer.packs_.push_back(pack);
-    return static_cast<std::uint32_t>(tracer.packs_.size() - 1);
+    return pack;
   }
 
   // Returns the triangles of a leaf's lower or upper half along the longest side of its centres' box.
@@ -152,25 +175,35 @@ struct RayTracer::Builder {
 };
 
 RayTracer::RayTracer(const std::vector<RayTriangle>& triangles, const Context& context) {
+  std::vector<BoundingBox> boxes(triangles.size());
+  meshgraft::Flags is_finite(triangles.size(), 0);
+  parallel_blocks(
+      triangles.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+          bool all_finite = true;
+          for (const Eigen::Vector3f& point : triangles[t]) {
+            all_finite = all_finite && point.allFinite();
+            boxes[t].include(Point3{point.x(), point.y(), point.z()});
+          }
+          is_finite[t] = all_finite;
+        }
+      },
+      context, 4096);
   std::vector<std::uint32_t> finite;
-  std::vector<BoundingBox> boxes;
-  boxes.reserve(triangles.size());
+  finite.reserve(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    BoundingBox box;
-    bool all_finite = true;
-    for (const Eigen::Vector3f& point : triangles[t]) {
-      all_finite = all_finite && point.allFinite();
-      box.include(Point3{point.x(), point.y(), point.z()});
-    }
-    if (!all_finite) continue;
+    if (!is_finite[t]) continue;
+    boxes[finite.size()] = boxes[t];
     finite.push_back(static_cast<std::uint32_t>(t));
-    boxes.push_back(box);
   }
+  boxes.resize(finite.size());
   const Bvh tree(boxes, context);
   nodes_.reserve(static_cast<std::size_t>(tree.first_leaf()));
-  packs_.reserve(2 * static_cast<std::size_t>(tree.first_leaf()));
+  Builder builder{*this, triangles, finite, tree};
+  builder.make_packs(context);
   Eigen::AlignedBox3f box;
-  Builder{*this, triangles, finite, tree}.append(Bvh::root, 0, box);
+  builder.append(Bvh::root, 0, box);
 }
 
 // Computes where the ray enters the boxes of a node's children, and which of them it crosses. If the direction

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -72,19 +73,26 @@ struct Surface {
   Points positions;
   Triangles triangles;
   std::vector<Vec3> corner_normals;
-  std::vector<Vec3> colours;           // per vertex, or empty
-  std::vector<std::uint8_t> outlines;  // per triangle, bit c: the edge opposite corner c belongs to the face
+  std::vector<Vec3> colours;  // per vertex, or empty
+  // Per triangle, bit c: the edge opposite corner c belongs to the face. Empty unless they are drawn.
+  std::vector<std::uint8_t> outlines;
 };
 
 std::vector<Vec3> corner_normals(const Points& positions, const Triangles& triangles,
                                  const RenderOptions& options, const Context& context) {
   const auto count = static_cast<std::size_t>(triangles.rows());
   std::vector<Vec3> flat(count);  // unit normal times twice the area
-  for (std::size_t t = 0; t < count; ++t) {
-    const auto row = triangles.row(static_cast<Eigen::Index>(t));
-    const Eigen::RowVector3d p = positions.row(row[0]), q = positions.row(row[1]), r = positions.row(row[2]);
-    flat[t] = (q - p).cross(r - p).transpose().cast<float>();
-  }
+  parallel_blocks(
+      count,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+          const auto row = triangles.row(static_cast<Eigen::Index>(t));
+          const Eigen::RowVector3d p = positions.row(row[0]), q = positions.row(row[1]),
+                                   r = positions.row(row[2]);
+          flat[t] = (q - p).cross(r - p).transpose().cast<float>();
+        }
+      },
+      context, 4096);
   std::vector<Vec3> out(3 * count);
   const float limit = static_cast<float>(std::cos(options.crease_angle_deg * std::numbers::pi / 180.0));
   const IndexLists around = vertex_triangles(static_cast<Index>(positions.rows()), triangles, context);
@@ -132,7 +140,7 @@ Surface prepare(const Shape& shape, const RenderOptions& options, const Context&
   surface.positions = mesh.positions.rowwise() + shape.offset.transpose();
   surface.triangles = triangulation.triangles;
   surface.corner_normals = corner_normals(surface.positions, surface.triangles, options, context);
-  surface.outlines = outlines(mesh, triangulation);
+  if (options.wireframe) surface.outlines = outlines(mesh, triangulation);
   for (Eigen::Index v = 0; v < shape.colours.rows(); ++v)
     surface.colours.push_back(shape.colours.row(v).transpose().cast<float>());
   return surface;
@@ -218,15 +226,26 @@ View fit_view(std::span<const Surface> surfaces, const RenderOptions& options) {
 }
 
 // Returns the triangles of all surfaces, one surface after another, in the view's coordinates.
-std::vector<RayTriangle> all_triangles(std::span<const Surface> surfaces, const View& view) {
-  std::vector<RayTriangle> out;
-  for (const Surface& surface : surfaces)
-    for (const auto corners : surface.triangles.rowwise()) {
-      RayTriangle& triangle = out.emplace_back();
-      for (int c = 0; c < 3; ++c)
-        triangle[static_cast<std::size_t>(c)] =
-            ((surface.positions.row(corners[c]).transpose() - view.centre) / view.scale).cast<float>();
-    }
+std::vector<RayTriangle> all_triangles(std::span<const Surface> surfaces, const View& view,
+                                       const Context& context) {
+  std::size_t count = 0;
+  for (const Surface& surface : surfaces) count += static_cast<std::size_t>(surface.triangles.rows());
+  std::vector<RayTriangle> out(count);
+  std::size_t first = 0;
+  for (const Surface& surface : surfaces) {
+    parallel_blocks(
+        static_cast<std::size_t>(surface.triangles.rows()),
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t t = begin; t < end; ++t)
+            for (int c = 0; c < 3; ++c) {
+              const Index v = surface.triangles(static_cast<Eigen::Index>(t), c);
+              out[first + t][static_cast<std::size_t>(c)] =
+                  ((surface.positions.row(v).transpose() - view.centre) / view.scale).cast<float>();
+            }
+        },
+        context, 4096);
+    first += static_cast<std::size_t>(surface.triangles.rows());
+  }
   return out;
 }
 
@@ -267,7 +286,7 @@ class Painter {
       : surfaces_(surfaces),
         view_(view),
         options_(options),
-        triangles_(all_triangles(surfaces, view)),
+        triangles_(all_triangles(surfaces, view, context)),
         tracer_(triangles_, context) {
     std::uint32_t first = 0;
     for (const Surface& surface : surfaces) {
@@ -276,6 +295,23 @@ class Painter {
     }
     grid_ = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(options.samples) + 1e-9)));
     occlusion_rays_ = std::max(1, options.occlusion_rays / (grid_ * grid_));
+  }
+
+  // Returns a pixel by one camera ray through its middle. Its few rays for light are strata of a square of
+  // pixels.
+  Pixel middle_of_pixel(int x, int y) const {
+    constexpr int side = 4, rays = 2;
+    const int columns = (options_.width + side - 1) / side;
+    Random shared(static_cast<std::uint32_t>(y / side * columns + x / side), ~1u);
+    const int k = y % side * side + x % side;
+    const float shift = shared.next(), turn = shared.next();
+    const auto stratum = [k](float offset, float rate) {
+      const float value = offset + 0.5f + rate * static_cast<float>(k);
+      return value - std::floor(value);
+    };
+    const Offsets to_light{stratum(shift, 0.7548777f), stratum(turn, 0.5698403f)};
+    return ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, {rays * k, rays, shift, turn},
+               to_light);
   }
 
   Pixel pixel(int x, int y) const {
@@ -289,27 +325,33 @@ class Painter {
       const int column = s % grid_, row = s / grid_;
       const float dx = (static_cast<float>(column) + random.next()) / static_cast<float>(grid_);
       const float dy = (static_cast<float>(row) + random.next()) / static_cast<float>(grid_);
-      const Strata strata{s * occlusion_rays_, shift, turn};
-      sum += ray(static_cast<float>(x) + dx, static_cast<float>(y) + dy, strata, random);
+      const Strata strata{s * occlusion_rays_, occlusion_rays_, shift, turn};
+      const float u = random.next(), v = random.next();
+      sum += ray(static_cast<float>(x) + dx, static_cast<float>(y) + dy, strata, {u, v});
     }
     sum *= 1.0f / static_cast<float>(samples);
     return sum;
   }
 
  private:
-  // Offsets of a sample's rays in the pixel's low-discrepancy sequence.
+  // Two numbers from 0 to 1 that choose a direction to the light.
+  struct Offsets {
+    float u, v;
+  };
+
+  // Offsets of a sample's rays in the low-discrepancy sequence of the pixel, or of a square of pixels.
   struct Strata {
-    int first;
+    int first, count;
     float shift, turn;
   };
 
-  Pixel ray(float x, float y, const Strata& strata, Random& random) const {
+  Pixel ray(float x, float y, const Strata& strata, const Offsets& to_light) const {
     const auto width = static_cast<float>(options_.width), height = static_cast<float>(options_.height);
     const Vec3 direction = (view_.ahead + view_.tangent * ((2.0f * x - width) / height * view_.right +
                                                            (1.0f - 2.0f * y / height) * view_.up))
                                .normalized();
     if (const auto hit = tracer_.first_hit(view_.eye, direction))
-      return surface(*hit, direction, strata, random);
+      return surface(*hit, direction, strata, to_light);
     Pixel out;
     out.plain = backdrop(x / width, y / height);
     out.point = view_.eye + 100.0f * direction;
@@ -324,7 +366,7 @@ class Painter {
     out.by_key = 0.20f * fade * out.plain;
     out.plain *= 1.0f - 0.78f * fade;
     out.open = openness(point, view_.zenith, 3.0f, strata);
-    out.key = key_visible(point, random) ? 1.0f : 0.0f;
+    out.key = key_visible(point, to_light) ? 1.0f : 0.0f;
     out.normal = view_.zenith;
     out.point = point;
     return out;
@@ -336,9 +378,9 @@ class Painter {
     return Vec3(0.885f, 0.89f, 0.90f) * (1.0f - 0.22f * r2);
   }
 
-  bool key_visible(const Vec3& point, Random& random) const {
+  bool key_visible(const Vec3& point, const Offsets& offsets) const {
     const Basis basis(view_.to_key);
-    const float r = key_softness * std::sqrt(random.next()), turn = 2.0f * pi * random.next();
+    const float r = key_softness * std::sqrt(offsets.u), turn = 2.0f * pi * offsets.v;
     const Vec3 to_light = (basis.w + r * std::cos(turn) * basis.u + r * std::sin(turn) * basis.v).normalized();
     return !tracer_.blocked(point, to_light);
   }
@@ -349,7 +391,7 @@ class Painter {
   float openness(const Vec3& point, const Vec3& normal, float reach, const Strata& strata) const {
     const Basis basis(normal);
     int open = 0;
-    for (int i = 0; i < occlusion_rays_; ++i) {
+    for (int i = 0; i < strata.count; ++i) {
       const auto k = static_cast<float>(strata.first + i);
       float u = strata.shift + 0.7548777f * k, turn = strata.turn + 0.5698403f * k;
       u -= std::floor(u);
@@ -359,10 +401,11 @@ class Painter {
           r * std::cos(turn) * basis.u + r * std::sin(turn) * basis.v + std::sqrt(1.0f - u) * basis.w;
       if (!tracer_.blocked(point, direction, reach)) ++open;
     }
-    return static_cast<float>(open) / static_cast<float>(occlusion_rays_);
+    return static_cast<float>(open) / static_cast<float>(strata.count);
   }
 
-  Pixel surface(const RayTracer::Hit& hit, const Vec3& direction, const Strata& strata, Random& random) const {
+  Pixel surface(const RayTracer::Hit& hit, const Vec3& direction, const Strata& strata,
+                const Offsets& to_light) const {
     const auto after = std::upper_bound(first_triangles_.begin(), first_triangles_.end(), hit.triangle);
     const Surface& surface = surfaces_[static_cast<std::size_t>(after - first_triangles_.begin() - 1)];
     const std::size_t t = hit.triangle - *std::prev(after);
@@ -404,7 +447,7 @@ class Painter {
     out.by_open = colour.cwiseProduct(sky + 0.65f * fill) + 0.10f * grazing * sky_light;
     const float key = std::max(0.0f, normal.dot(view_.to_key));
     if (key > 0.0f) {
-      out.key = key_visible(point, random) ? 1.0f : 0.0f;
+      out.key = key_visible(point, to_light) ? 1.0f : 0.0f;
       // Diffuse, and a faint broad highlight: fired clay.
       const Vec3 half = (view_.to_key - direction).normalized();
       out.by_key = (key * 0.39f) * colour.cwiseProduct(key_light) +
@@ -456,47 +499,176 @@ void for_each_pixel(const RenderOptions& options, const Context& context, Body b
       context, 1);
 }
 
-// The data of a pixel that the filter uses: the two shares of light, and the normal and point of the surface.
-struct Shares {
-  Vec3 normal, point;
-  float open, key;
-};
-
-// Runs one pass of an edge-avoiding wavelet filter (Dammertz et al. 2010) over the two shares of light.
-// Averages neighbours `step` pixels apart that have similar shares and lie in one plane.
-std::array<float, 2> smoothed_shares(const std::vector<Shares>& shares, const RenderOptions& options,
-                                     const View& view, int step, std::array<int, 2> xy) {
-  constexpr float negligible = 9;  // the cost that gives a weight of 1e-4
-  const auto at = [&](int i, int j) -> const Shares& {
-    return shares[static_cast<std::size_t>(j) * static_cast<std::size_t>(options.width) +
-                  static_cast<std::size_t>(i)];
-  };
-  const auto [x, y] = xy;
-  const Shares& here = at(x, y);
-  if (here.normal.squaredNorm() == 0.0f) return {here.open, here.key};
-  const float spacing =
-      2.0f * view.tangent * (here.point - view.eye).norm() / static_cast<float>(options.height);
-  const float plane = 1.0f / (3.0f * static_cast<float>(step) * spacing);
-  const auto square = [](float value) { return value * value; };
-  float weight_sum = 0.0f, open = 0.0f, key = 0.0f;
-  for (int dy = -2; dy <= 2; ++dy)
-    for (int dx = -2; dx <= 2; ++dx) {
-      const int i = x + step * dx, j = y + step * dy;
-      if (i < 0 || j < 0 || i >= options.width || j >= options.height) continue;
-      const Shares& there = at(i, j);
-      float cost = 0.35f * static_cast<float>(dx * dx + dy * dy);
-      cost += 25.0f * (here.normal - there.normal).squaredNorm();
-      cost += square(plane * here.normal.dot(there.point - here.point));
-      // Later passes reach further and must respect the differences that earlier passes have established.
-      if (step > 1) cost += square((here.open - there.open) / 0.16f) + square((here.key - there.key) / 0.5f);
-      if (cost > negligible) continue;
-      const float weight = std::exp(-cost);
-      weight_sum += weight;
-      open += weight * there.open;
-      key += weight * there.key;
-    }
-  return {open / weight_sum, key / weight_sum};
+// Returns whether two neighbouring pixels show parts of one smooth surface in nearly the same colours.
+bool belong_together(const Pixel& here, const Pixel& there, float spacing) {
+  constexpr float least_cosine = 0.96f, most_colour = 0.06f;
+  if (here.normal.isZero(0) != there.normal.isZero(0)) return false;
+  if (here.normal.isZero(0)) return true;
+  return here.normal.dot(there.normal) > least_cosine &&
+         std::abs(here.normal.dot(there.point - here.point)) < spacing &&
+         (here.point - there.point).squaredNorm() < 100 * spacing * spacing &&
+         (here.plain - there.plain + 0.5f * (here.by_open - there.by_open)).cwiseAbs().maxCoeff() < most_colour;
 }
+
+// Returns the distance between two pixels on a surface that is seen from straight above.
+float spacing_at(const Vec3& point, const View& view, const RenderOptions& options) {
+  return 2.0f * view.tangent * (point - view.eye).norm() / static_cast<float>(options.height);
+}
+
+// Traces all pixels by one ray each, and again by all samples where a neighbour shows something else.
+void trace_sparsely(const Painter& painter, const View& view, const RenderOptions& options,
+                    std::vector<Pixel>& pixels, const Context& context) {
+  const auto slot = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(x);
+  };
+  for_each_pixel(options, context, [&](int x, int y) { pixels[slot(x, y)] = painter.middle_of_pixel(x, y); });
+  Flags is_edge(pixels.size(), 0);
+  for_each_pixel(options, context, [&](int x, int y) {
+    const Pixel& here = pixels[slot(x, y)];
+    const float spacing = spacing_at(here.point, view, options);
+    for (const auto& [dx, dy] : {std::pair{-1, 0}, std::pair{1, 0}, std::pair{0, -1}, std::pair{0, 1}}) {
+      const int i = x + dx, j = y + dy;
+      if (i < 0 || j < 0 || i >= options.width || j >= options.height) continue;
+      if (!belong_together(here, pixels[slot(i, j)], spacing)) is_edge[slot(x, y)] = 1;
+    }
+  });
+  for_each_pixel(options, context, [&](int x, int y) {
+    if (is_edge[slot(x, y)]) pixels[slot(x, y)] = painter.pixel(x, y);
+  });
+}
+
+// The data of the pixels that the filter uses, one array each: the two shares of light, and the normal and
+// point of the surface. Rows are padded, so that loops along a row need no tests for the ends of it.
+class LightFilter {
+ public:
+  LightFilter(const std::vector<Pixel>& pixels, const RenderOptions& options, const View& view)
+      : options_(options), stride_(static_cast<std::size_t>(options.width) + 2 * padding) {
+    const std::size_t size = stride_ * static_cast<std::size_t>(options.height);
+    for (auto* values : {&normal_[0], &normal_[1], &normal_[2], &point_[0], &point_[1], &point_[2], &open_,
+                         &key_, &plane_, &next_open_, &next_key_})
+      values->assign(size, 0.0f);
+    // Padding has another normal than any surface, so that it has no weight.
+    normal_[0].assign(size, 1e3f);
+    for (int y = 0; y < options.height; ++y)
+      for (int x = 0; x < options.width; ++x) {
+        const std::size_t at = slot(x, y);
+        const Pixel& pixel = pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
+                                    static_cast<std::size_t>(x)];
+        for (std::size_t k = 0; k < 3; ++k) {
+          normal_[k][at] = pixel.normal[static_cast<Eigen::Index>(k)];
+          point_[k][at] = pixel.point[static_cast<Eigen::Index>(k)];
+        }
+        open_[at] = pixel.open;
+        key_[at] = pixel.key;
+        plane_[at] = 1.0f / (3.0f * spacing_at(pixel.point, view, options));
+      }
+  }
+
+  // Runs the three passes, whose neighbours are 1, 2 and 4 pixels apart.
+  void run(const Context& context) {
+    for (const int step : {1, 2, 4}) {
+      parallel_blocks(
+          static_cast<std::size_t>(options_.height),
+          [&](std::size_t begin, std::size_t end) {
+            for (std::size_t y = begin; y < end; ++y) smooth_row(static_cast<int>(y), step);
+          },
+          context, 8);
+      std::swap(open_, next_open_);
+      std::swap(key_, next_key_);
+    }
+  }
+
+  float open(int x, int y) const { return open_[slot(x, y)]; }
+  float key(int x, int y) const { return key_[slot(x, y)]; }
+
+ private:
+  static constexpr std::size_t lane_count = 4;  // pixels that are computed at once
+  using Lanes [[gnu::vector_size(sizeof(float) * lane_count)]] = float;
+  static constexpr std::size_t padding = 8 + lane_count;  // the last pass reaches 8 pixels far
+
+  // Sums over the neighbours of a row's pixels.
+  struct Sums {
+    std::vector<float> weights, open, key;
+  };
+
+  std::size_t slot(int x, int y) const {
+    return static_cast<std::size_t>(y) * stride_ + padding + static_cast<std::size_t>(x);
+  }
+
+  // Returns exp(-cost) to three digits, and 0 for costs above 9.
+  static Lanes weight_of(Lanes cost) {
+    constexpr float most = 9, weight_of_most = 1.3e-4f;
+    const Lanes part = (cost < most ? cost : Lanes{} + most) * (1.0f / 64);
+    Lanes weight = 1.0f - part + 0.5f * part * part;
+    for (int k = 0; k < 6; ++k) weight *= weight;
+    weight -= weight_of_most;
+    return weight > 0.0f ? weight : Lanes{};
+  }
+
+  static Lanes load(const float* values) {
+    Lanes lanes;
+    std::memcpy(&lanes, values, sizeof(lanes));
+    return lanes;
+  }
+
+  static void add(float* values, Lanes sum) {
+    sum += load(values);
+    std::memcpy(values, &sum, sizeof(sum));
+  }
+
+  // Averages neighbours `step` pixels apart that have similar shares and lie in one plane: a row of one pass of
+  // an edge-avoiding wavelet filter (Dammertz et al. 2010).
+  void smooth_row(int y, int step) {
+    const auto width = static_cast<std::size_t>(options_.width);
+    const std::vector<float> none(width + lane_count, 0.0f);
+    Sums sums{none, none, none};
+    for (int dy = -2; dy <= 2; ++dy) {
+      if (y + step * dy < 0 || y + step * dy >= options_.height) continue;
+      for (int dx = -2; dx <= 2; ++dx)
+        add_neighbours(slot(0, y), slot(step * dx, y + step * dy), static_cast<float>(dx * dx + dy * dy), step,
+                       sums);
+    }
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t at = slot(static_cast<int>(x), y);
+      const bool is_surface = normal_[0][at] != 0.0f || normal_[1][at] != 0.0f || normal_[2][at] != 0.0f;
+      next_open_[at] = is_surface ? sums.open[x] / sums.weights[x] : open_[at];
+      next_key_[at] = is_surface ? sums.key[x] / sums.weights[x] : key_[at];
+    }
+  }
+
+  // Adds the neighbours of a row's pixels that are all equally far away. Both rows are given by their first
+  // slots.
+  void add_neighbours(std::size_t here, std::size_t there, float distance2, int step, Sums& sums) const {
+    // Later passes reach further and must respect the differences that earlier passes have established.
+    const float open_rate = step > 1 ? 1.0f / (0.16f * 0.16f) : 0.0f, key_rate = step > 1 ? 4.0f : 0.0f;
+    const float plane_rate = 1.0f / static_cast<float>(step);
+    for (std::size_t x = 0; x < static_cast<std::size_t>(options_.width); x += lane_count) {
+      const auto at = [x](const std::vector<float>& values, std::size_t first) {
+        return load(&values[first + x]);
+      };
+      Lanes turned{}, off_plane{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Lanes normal = at(normal_[k], here), between = normal - at(normal_[k], there);
+        turned += between * between;
+        off_plane += normal * (at(point_[k], there) - at(point_[k], here));
+      }
+      off_plane *= plane_rate * at(plane_, here);
+      const Lanes there_open = at(open_, there), there_key = at(key_, there);
+      const Lanes open = at(open_, here) - there_open, key = at(key_, here) - there_key;
+      const Lanes weight = weight_of(0.35f * distance2 + 25.0f * turned + off_plane * off_plane +
+                                     open_rate * open * open + key_rate * key * key);
+      add(&sums.weights[x], weight);
+      add(&sums.open[x], weight * there_open);
+      add(&sums.key[x], weight * there_key);
+    }
+  }
+
+  const RenderOptions& options_;
+  std::size_t stride_;
+  std::array<std::vector<float>, 3> normal_, point_;
+  std::vector<float> open_, key_, plane_;  // plane_: over a distance from the plane, gives the root of a cost
+  std::vector<float> next_open_, next_key_;
+};
 
 }  // namespace
 
@@ -530,28 +702,22 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
   const auto slot = [&](int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(x);
   };
-  for_each_pixel(options, context, [&](int x, int y) { pixels[slot(x, y)] = painter.pixel(x, y); });
+  if (options.sparse && !options.wireframe)
+    trace_sparsely(painter, view, options, pixels, context);
+  else
+    for_each_pixel(options, context, [&](int x, int y) { pixels[slot(x, y)] = painter.pixel(x, y); });
   context.step("render", 0.8);
-  std::vector<Shares> shares;
-  shares.reserve(pixels.size());
-  for (const Pixel& pixel : pixels) shares.push_back({pixel.normal, pixel.point, pixel.open, pixel.key});
-  std::vector<std::array<float, 2>> smoothed(pixels.size());
-  for (const int step : {1, 2, 4}) {
-    for_each_pixel(options, context, [&](int x, int y) {
-      smoothed[slot(x, y)] = smoothed_shares(shares, options, view, step, {x, y});
-    });
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-      shares[i].open = smoothed[i][0];
-      shares[i].key = smoothed[i][1];
-    }
-  }
+  LightFilter light(pixels, options, view);
+  light.run(context);
   Image image{options.width, options.height, std::vector<std::uint8_t>(3 * pixels.size())};
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Vec3 colour = pixels[i].plain + shares[i].open * pixels[i].by_open + shares[i].key * pixels[i].by_key;
+  for_each_pixel(options, context, [&](int x, int y) {
+    const std::size_t i = slot(x, y);
+    const Vec3 colour =
+        pixels[i].plain + light.open(x, y) * pixels[i].by_open + light.key(x, y) * pixels[i].by_key;
     for (std::size_t k = 0; k < 3; ++k)
       image.pixels[3 * i + k] = static_cast<std::uint8_t>(
           std::lround(255.0f * to_srgb(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0f, 1.0f))));
-  }
+  });
   context.step("render", 1.0);
   return image;
 }

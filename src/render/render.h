@@ -35,7 +35,10 @@ struct RenderOptions {
   Camera camera;
   int samples = 4;          ///< camera rays per pixel; rounded down to a square
   int occlusion_rays = 16;  ///< ambient-occlusion rays per pixel
-  bool smooth = true;       ///< interpolate vertex normals across edges flatter than `crease_angle_deg`
+  /// Traces one camera ray, two occlusion rays and one ray to the light in pixels that show the same smooth
+  /// surface as the pixels around them. `samples` and `occlusion_rays` then hold for the other pixels.
+  bool sparse = false;
+  bool smooth = true;  ///< interpolate vertex normals across edges flatter than `crease_angle_deg`
   double crease_angle_deg = 40.0;
   bool wireframe = false;
   bool ground = true;  ///< a soft contact shadow below, away from the camera's `up`

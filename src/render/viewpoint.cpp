@@ -42,8 +42,20 @@ std::vector<std::uint64_t> face_hashes(const Mesh& mesh) {
   return hashes;
 }
 
+// Returns the faces with a vertex that has another position in `other`, which has the same faces.
+std::vector<Index> moved_faces(const Mesh& mesh, const Mesh& other) {
+  std::vector<Index> moved;
+  for (Index f = 0; f < mesh.face_count(); ++f)
+    if (std::ranges::any_of(mesh.faces[f],
+                            [&](Index v) { return mesh.positions.row(v) != other.positions.row(v); }))
+      moved.push_back(f);
+  return moved;
+}
+
 // Returns the faces of `mesh` that `other` does not have.
 std::vector<Index> own_faces(const Mesh& mesh, const Mesh& other) {
+  if (mesh.positions.rows() == other.positions.rows() && mesh.faces == other.faces)
+    return moved_faces(mesh, other);
   std::vector<std::uint64_t> known = face_hashes(other);
   std::sort(known.begin(), known.end());
   const std::vector<std::uint64_t> hashes = face_hashes(mesh);
@@ -142,8 +154,9 @@ Eigen::Vector3d direction_to_change(const Mesh& before, const Mesh& after, const
   const Eigen::AlignedBox3d box = box_of({&shown, 1});
   const Eigen::Affine3d to_unit =
       Eigen::Scaling(2 / box.diagonal().stableNorm()) * Eigen::Translation3d(-box.center());
-  std::vector<RayTriangle> triangles;
   const Triangles corners_of = triangulate(after).triangles;
+  std::vector<RayTriangle> triangles;
+  triangles.reserve(static_cast<std::size_t>(corners_of.rows()));
   for (const auto corners : corners_of.rowwise()) {
     RayTriangle& triangle = triangles.emplace_back();
     for (int c = 0; c < 3; ++c)

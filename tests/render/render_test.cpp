@@ -71,6 +71,27 @@ TEST(Render, LightAndShadowFollowTheDirectionThatIsUp) {
   }
 }
 
+TEST(Render, IsNearlyTheSameWithSparseRays) {
+  for (const char* const sample : {"octopus", "bumpy_plane", "torus"}) {
+    SCOPED_TRACE(sample);
+    const Mesh mesh = make_sample(sample, 40);
+    const Shape shape{&mesh, {}};
+    RenderOptions options = small_picture();
+    options.width *= 4;
+    options.height *= 4;
+    const Image full = render({&shape, 1}, options);
+    options.sparse = true;
+    const Image sparse = render({&shape, 1}, options);
+    double sum = 0;
+    for (std::size_t k = 0; k < full.pixels.size(); ++k)
+      sum += std::abs(int{full.pixels[k]} - int{sparse.pixels[k]});
+    EXPECT_LT(sum / static_cast<double>(full.pixels.size()), 1.0);
+    Context one;
+    one.threads = 1;
+    EXPECT_EQ(render({&shape, 1}, options, one).pixels, sparse.pixels);
+  }
+}
+
 TEST(Render, ShowsColours) {
   const Mesh mesh = make_sample("bar", 8);
   Shape shape{&mesh, Points::Zero(mesh.vertex_count(), 3)};

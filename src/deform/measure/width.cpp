@@ -116,8 +116,14 @@ Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> i
   const std::vector<Index> near = triangles_near(rest, box, context);
   const std::vector<Probe> probes = make_probes(rest, mesh, near, vertices);
   std::vector<RayTriangle> traced(near.size());
-  for (std::size_t k = 0; k < near.size(); ++k)
-    for (int c = 0; c < 3; ++c) traced[k][static_cast<std::size_t>(c)] = rest.corner(near[k], c).cast<float>();
+  parallel_blocks(
+      near.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+          for (int c = 0; c < 3; ++c)
+            traced[k][static_cast<std::size_t>(c)] = rest.corner(near[k], c).cast<float>();
+      },
+      context, 4096);
   const RayTracer tracer(traced, context);
   context.throw_if_stopped();
 
