@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,6 +11,8 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/parallel.h"
+#include "core/platform/memory.h"
 #include "document.h"
 #include "io/binary_value.h"
 #include "io/check_interval.h"
@@ -67,7 +70,7 @@ class PlyPatcher {
 
   std::string patch() {
     const bool ascii = document_.header.encoding == PlyEncoding::ascii;
-    if (!ascii) out_ = document_.content;
+    if (!ascii) copy_document();
     for (const PlyTable& table : document_.tables) {
       const PlyElement& element = document_.header.elements[table.element];
       const std::vector<Column> columns = columns_of(element, table);
@@ -110,18 +113,43 @@ class PlyPatcher {
     return columns;
   }
 
+  void copy_document() {
+    out_.reserve(document_.content.size());
+    platform::prefer_huge_pages(out_.data(), out_.capacity());
+    out_.append(document_.content);
+  }
+
+  /// Patches blocks of rows in parallel. If a value does not fit, the error is that of the first one in the
+  /// order of the properties.
   void patch_columns(const PlyElement& element, const std::vector<Column>& columns, std::size_t begin) {
+    std::atomic<bool> all_fit = true;
+    constexpr std::size_t rows_per_block = 1 << 13;
+    parallel_blocks(
+        element.count,
+        [&](std::size_t first, std::size_t last) {
+          try {
+            patch_rows_of_columns(element, columns, begin, {first, last});
+          } catch (const Error&) {
+            all_fit = false;
+          }
+        },
+        context_, rows_per_block);
+    if (!all_fit) patch_rows_of_columns(element, columns, begin, {0, element.count});
+  }
+
+  void patch_rows_of_columns(const PlyElement& element, const std::vector<Column>& columns, std::size_t begin,
+                             std::array<std::size_t, 2> rows) {
     const std::size_t record = element.smallest_binary_size();
     char* at = out_.data() + begin;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (columns[p].values != nullptr) {
-        for (std::size_t row = 0; row < element.count; ++row) {
+        for (std::size_t row = rows[0]; row < rows[1]; ++row) {
           const double old = load_binary(at + row * record, property.type, swap());
           const double value = columns[p].values[row * columns[p].stride];
-          if (const auto next = replacement(old, value, element, row, property)) {
+          if (old == value) continue;
+          if (const auto next = replacement(old, value, element, row, property))
             store_binary(at + row * record, *next, property.type, swap());
-          }
         }
       }
       at += size_of(property.type);
