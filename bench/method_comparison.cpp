@@ -116,7 +116,6 @@ std::vector<Method> ablations() {
     change(options);
     methods.push_back(ours(name, options));
   };
-  add("pairs of SF: edges only", [](auto& o) { o.operators.opposite_pairs = false; });
   add("apex height 0.25", [](auto& o) { o.operators.apex_height_rel = 0.25; });
   add("apex height 1", [](auto& o) { o.operators.apex_height_rel = 1; });
   add("ft05-noise", [](auto& o) { o.operators.degenerate = DegenerateTreatment::ft05_noise; });
