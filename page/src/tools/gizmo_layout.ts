@@ -129,9 +129,13 @@ const order: readonly [PartKind, number][] = [
   ["view-ring", 7],
 ];
 
+const arrowBesideSquare = 0.25; // × its tolerance: an arrow gives way to a square that the pointer is in
+
 /** Returns the part under the pointer. `toleranceFactor` widens the tolerance, for touch. */
 export function partAt(layout: Layout, screenPoint: ScreenPoint, toleranceFactor = 1): Part | undefined {
-  for (const [kind, tolerance] of order) {
+  const isInSquare = layout.parts.some(({ kind, outline }) => kind === "square" && isInside(outline, screenPoint));
+  for (const [kind, usualTolerance] of order) {
+    const tolerance = kind === "arrow" && isInSquare ? arrowBesideSquare * usualTolerance : usualTolerance;
     const near = layout.parts
       .filter((part) => part.kind === kind)
       .map((part) => ({ part, distance: distanceTo(part, screenPoint) }))

@@ -168,6 +168,16 @@ describe("the gizmo", () => {
       }
   });
 
+  it("gives a square where it lies beside an arrow", () => {
+    for (const camera of cameras()) {
+      const layout = layOut(centreOf(rest), world, camera);
+      for (const { id, outline } of layout.parts.filter(({ kind }) => kind === "square")) {
+        const middle = { x: outline.reduce((sum, { x }) => sum + x / 4, 0), y: outline.reduce((sum, { y }) => sum + y / 4, 0) };
+        expect(partAt(layout, middle)?.id).toBe(id);
+      }
+    }
+  });
+
   it("hides arrows that point at the camera", () => {
     const [camera] = cameras() as [ScreenCamera];
     const centre = new Vector3();
