@@ -37,6 +37,7 @@ const whileDropping: readonly [string, string][] = [
   ["Rotate the part", "wheel, R or Shift+R"],
   ["Scale it", "Shift+wheel, S or Shift+S"],
   ["Cut a closed part higher, lower", "Alt+wheel, B or Shift+B"],
+  ["Tilt that cut", "Alt+Shift+wheel, T or Shift+T"],
   ["Graft, cancel", "click, Esc"],
 ];
 const withoutPointer: readonly [string, string][] = [

@@ -181,7 +181,7 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   await user.page.mouse.move(x + 2, y, { steps: 4 });
   await whenShown();
   const first = await shownBase();
-  await user.page.getByText("cut open by itself").first().waitFor();
+  await user.page.getByText(/cut open (by itself|at)/).first().waitFor();
   await user.page.keyboard.down("Alt");
   await user.wheel(-300);
   await user.page.keyboard.up("Alt");
@@ -190,6 +190,8 @@ test("opens a closed part where it is dropped, at a height that the wheel change
     first,
     { timeout: 90_000 },
   );
+  await user.press("t");
+  await user.page.getByText(/tilted 5°/).first().waitFor();
   await user.screenshot("drop-closed-dragged");
   await user.page.mouse.down();
   await user.page.mouse.up();
@@ -197,9 +199,33 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   expect(report?.error).toBeUndefined();
   expect(report?.base?.height).toBeGreaterThan(1.3 * (first ?? 0));
   await user.page.getByRole("slider", { name: "Base" }).or(user.page.getByLabel("Base")).first().waitFor();
+  expect(await graftOf(user)).toMatchObject({ at: { base: { tilt_deg: 5 } } });
+  await user.page.getByRole("slider", { name: "Base tilt" }).waitFor();
   await user.screenshot("drop-closed-done");
   await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
   await user.settle();
   expect(await saved(harness)).toMatchObject(watertight);
   expect(user.complaints).toEqual([]);
 }, 240_000);
+
+test("cancelling the graft of a dropped part removes the part, too", async () => {
+  const { harness, user } = await open();
+  await harness.openSample("bar", 20);
+  const { page } = user;
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.rests();
+  await page.evaluate(async () => {
+    const { graft } = window.meshgraft.editor;
+    await graft.beginDrop(() => graft.addPart({ sample: "head", resolution: 20 }, false));
+  });
+  const [left, top, right, bottom] = await boxOnPage(user, "model");
+  const at: Point = [(left + right) / 2, (top + bottom) / 2];
+  await page.mouse.move(...at, { steps: 4 });
+  await user.clickAt(at);
+  await grafted(user);
+  await page.locator(".graft-end").getByRole("button", { name: "Cancel" }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0 && window.meshgraft.editor.isIdle());
+  expect(await graftOf(user)).toBeNull();
+  expect(await page.getByRole("list", { name: "Parts" }).count()).toBe(0);
+  expect(user.complaints).toEqual([]);
+}, 120_000);

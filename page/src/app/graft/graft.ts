@@ -86,6 +86,7 @@ export class Graft {
 
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
   private readonly requestedLoops = new Set<number>(); // meshes whose loops were requested
+  private addedByDrop: string | undefined; // the part that the last drop added
   private newest = 0; // number of the newest graft that the engine reported
 
   constructor(private readonly host: GraftHost) {}
@@ -194,6 +195,8 @@ export class Graft {
   }
   /** Grafts the dropped part. */
   async endDrop(fields: GraftFields): Promise<void> {
+    const { value: dropped } = this.dropped;
+    this.addedByDrop = dropped?.isNew === true ? dropped.name : undefined;
     this.dropped.value = null;
     await this.set(fields);
     this.isBeingDropped.value = null;
@@ -278,8 +281,14 @@ export class Graft {
     });
   }
 
-  cancel(): Promise<Outcome | undefined> {
-    return this.host.ask({ do: "graft", what: "cancel" });
+  /** Discards the graft in progress, and its part if it was added by dropping it. */
+  async cancel(): Promise<Outcome | undefined> {
+    const { value: step } = this.kept;
+    const isDropped = step?.at !== undefined && step.source === this.addedByDrop;
+    const done = await this.host.ask({ do: "graft", what: "cancel" });
+    if (done === undefined || !isDropped) return done;
+    this.addedByDrop = undefined;
+    return this.host.ask({ do: "part", what: "remove", name: step.source });
   }
   async accept(): Promise<void> {
     const done = await this.host.ask({ do: "accept" });

@@ -39,7 +39,10 @@ export function GraftNumbers({ step, foundSize, foundBase, drag, keep, twist }: 
       />
       {step.at === undefined ? twist : <Spin step={step} drag={drag} keep={keep} />}
       {step.at !== undefined && (foundBase ?? step.at.base?.height) !== undefined && (
-        <BaseHeight step={step} found={foundBase ?? step.at.base!.height!} drag={drag} keep={keep} />
+        <>
+          <BaseHeight step={step} found={foundBase ?? step.at.base!.height!} drag={drag} keep={keep} />
+          <BaseTilt step={step} drag={drag} keep={keep} />
+        </>
       )}
       {(step.pose === "find" || step.at !== undefined) && (
         <div class="size-row">
@@ -111,6 +114,27 @@ function BaseHeight({ step, found, drag, keep }: Omit<NumbersProps, "foundSize" 
         <IconButton label="Reset base" icon="reset" onClick={() => keep({ at: place as GraftFields["at"] })} />
       )}
     </div>
+  );
+}
+
+/** The tilt of the plane at which a closed part is cut open. */
+function BaseTilt({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "foundBase" | "twist">) {
+  const { base, ...place } = step.at ?? {};
+  const at = (tilt_deg: number): GraftFields => ({ at: { ...place, base: { ...base, tilt_deg } } as GraftFields["at"] });
+  return (
+    <Slider
+      label="Base tilt"
+      {...degrees}
+      min={-90}
+      max={90}
+      softMin={-60}
+      softMax={60}
+      step={5}
+      value={base?.tilt_deg ?? 0}
+      help="The part is closed: tilts the plane at which it is cut open."
+      onInput={(value) => drag?.(at(value))}
+      onChange={(value) => keep(at(value))}
+    />
   );
 }
 

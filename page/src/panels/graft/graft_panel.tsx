@@ -105,7 +105,7 @@ function GraftPanel({ page }: { page: Page }) {
         <Button
           label="Cancel"
           kind="quiet"
-          tip="Discards the graft. The part stays."
+          tip="Discards the graft. The part stays, unless it was dropped onto the surface."
           onClick={() => void graft.cancel()}
         />
       </div>

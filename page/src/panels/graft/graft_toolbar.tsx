@@ -23,7 +23,7 @@ const hints: Record<GraftTool, string> = {
   plane: "The line may begin and end beside the model. Arrows move the plane, rings rotate it.",
   stroke: "Orbit between strokes to get around. Enter closes the curve, Backspace removes the last point.",
   fixed: "Paint the area of the part that must not bend. Alt subtracts.",
-  drop: "Wheel or R spins, Shift+wheel or S scales, Alt+wheel or B raises the cut of a closed part, Esc cancels.",
+  drop: "Wheel or R spins, Shift+wheel or S scales, Alt+wheel or B raises the cut of a closed part, T tilts it, Esc cancels.",
 };
 
 /** Hints where fingers do it another way. */

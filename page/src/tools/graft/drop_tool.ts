@@ -13,7 +13,11 @@ interface Drop {
   size: number | undefined;
   /** Where a closed part is cut open, above its lowest point. */
   baseHeight: number | undefined;
+  /** By how much the plane of that cut is tilted. */
+  baseTiltDeg: number;
 }
+
+const mostTiltDeg = 60; // beyond, the plane hardly cuts the part
 
 /**
  * Drops a part: it follows the pointer over the surface, spins and scales, and is grafted where it is released. The
@@ -40,7 +44,7 @@ export class DropTool implements Tool {
       this.context.status.say("Point at the surface", screenPoint);
       return;
     }
-    this.drop = { spinDeg: 0, size: undefined, baseHeight: undefined, ...this.drop, point };
+    this.drop = { spinDeg: 0, size: undefined, baseHeight: undefined, baseTiltDeg: 0, ...this.drop, point };
     this.show();
   }
 
@@ -65,7 +69,8 @@ export class DropTool implements Tool {
   wheel(event: WheelEvent): boolean {
     if (this.drop === undefined) return false;
     const step = Math.max(-3, Math.min(3, (event.deltaY || event.deltaX) / 100));
-    if (event.altKey) this.raiseBase(Math.exp(-0.1 * step));
+    if (event.altKey && event.shiftKey) this.tiltBase(-5 * step);
+    else if (event.altKey) this.raiseBase(Math.exp(-0.1 * step));
     else if (event.shiftKey || event.ctrlKey) this.scale(Math.exp(-0.1 * step));
     else this.spin(7.5 * step);
     return true;
@@ -77,6 +82,7 @@ export class DropTool implements Tool {
     if (key.toLowerCase() === "r") this.spin(15 * back);
     else if (key.toLowerCase() === "s") this.scale(1.1 ** back);
     else if (key.toLowerCase() === "b") this.raiseBase(1.1 ** back);
+    else if (key.toLowerCase() === "t") this.tiltBase(5 * back);
     else return false;
     return true;
   }
@@ -108,6 +114,12 @@ export class DropTool implements Tool {
     this.show();
   }
 
+  private tiltBase(byDeg: number): void {
+    if (this.drop === undefined) return;
+    this.drop.baseTiltDeg = Math.max(-mostTiltDeg, Math.min(mostTiltDeg, this.drop.baseTiltDeg + byDeg));
+    this.show();
+  }
+
   private fields(): GraftFields | undefined {
     const { drop } = this;
     const source = this.graft.dropped.value?.name;
@@ -115,7 +127,7 @@ export class DropTool implements Tool {
     const at = {
       point: drop.point,
       ...(drop.spinDeg === 0 ? {} : { spin_deg: drop.spinDeg }),
-      ...(drop.baseHeight === undefined ? {} : { base: { height: drop.baseHeight } }),
+      ...baseOf(drop),
     };
     return { source, at, size: drop.size ?? null };
   }
@@ -126,8 +138,10 @@ export class DropTool implements Tool {
     this.graft.drag(fields);
     const size = this.drop.size === undefined ? "original size" : `× ${this.drop.size.toPrecision(3)}`;
     const isClosed = this.graft.byName(this.graft.dropped.value?.name)?.loops === 0;
-    const height = this.drop.baseHeight?.toPrecision(3) ?? "by itself";
-    const base = isClosed ? ` · cut open ${height} (Alt+wheel, B)` : "";
+    const found = this.drop.baseHeight ?? this.graft.report.value?.base?.height;
+    const height = found === undefined ? "by itself" : `at ${found.toPrecision(3)}`;
+    const tilt = this.drop.baseTiltDeg === 0 ? "" : `, tilted ${this.drop.baseTiltDeg.toFixed(0)}°`;
+    const base = isClosed ? ` · cut open ${height}${tilt} (Alt+wheel, B; T tilts)` : "";
     this.context.status.say(
       `Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (Shift+wheel, S)${base} · Esc cancels`,
       this.screenPoint,
@@ -172,4 +186,15 @@ export class DropTool implements Tool {
     const point = raycastSurface(surface, viewport.treeOf(surface), ray)?.point;
     return point === undefined ? undefined : [point.x, point.y, point.z];
   }
+}
+
+/** Returns the field `base` of the place of a drop, where the user has changed it. */
+function baseOf({ baseHeight, baseTiltDeg }: Drop): { base?: { height?: number; tilt_deg?: number } } {
+  if (baseHeight === undefined && baseTiltDeg === 0) return {};
+  return {
+    base: {
+      ...(baseHeight === undefined ? {} : { height: baseHeight }),
+      ...(baseTiltDeg === 0 ? {} : { tilt_deg: baseTiltDeg }),
+    },
+  };
 }
