@@ -91,15 +91,15 @@ EdgeTable::EdgeTable(Index vertex_count, const Faces& faces, const Context& cont
 
 namespace {
 
-struct Side {
+struct EdgeSide {
   Index head, face;
   bool forward;
-  auto operator<=>(const Side&) const = default;
+  auto operator<=>(const EdgeSide&) const = default;
 };
 
 // Appends the edges from a vertex to larger neighbours. `sides` is memory for the work.
-void append_edges(Index v, const Triangles& triangles, std::span<const Index> faces, std::vector<Side>& sides,
-                  std::vector<TriangleEdge>& edges) {
+void append_edges(Index v, const Triangles& triangles, std::span<const Index> faces,
+                  std::vector<EdgeSide>& sides, std::vector<TriangleEdge>& edges) {
   sides.clear();
   for (const Index f : faces) {
     if (repeats_vertex(triangles, f)) continue;
@@ -109,7 +109,7 @@ void append_edges(Index v, const Triangles& triangles, std::span<const Index> fa
     if (previous > v) sides.push_back({previous, f, false});
   }
   std::sort(sides.begin(), sides.end());
-  for (const Side& side : sides) {
+  for (const EdgeSide& side : sides) {
     if (edges.empty() || edges.back().ends[0] != v || edges.back().ends[1] != side.head)
       edges.push_back({{v, side.head}});
     TriangleEdge& edge = edges.back();
@@ -129,7 +129,7 @@ std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexList
   parallel_blocks(
       blocks.size(),
       [&](std::size_t begin, std::size_t end) {
-        std::vector<Side> sides;
+        std::vector<EdgeSide> sides;
         for (std::size_t block = begin; block < end; ++block)
           for (std::size_t v = block * block_size; v < std::min(count, (block + 1) * block_size); ++v)
             append_edges(static_cast<Index>(v), triangles, vertex_triangles[static_cast<Index>(v)], sides,

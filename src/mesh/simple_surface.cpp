@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t elements_per_block = 16384;  // faces or vertices
 
 // The corners of a mesh of triangles: 3t, 3t+1 and 3t+2 are those of triangle t.
-class Corners {
+class TriangleCorners {
  public:
-  explicit Corners(const std::vector<Index>& vertices) : vertices_(vertices) {}
+  explicit TriangleCorners(const std::vector<Index>& vertices) : vertices_(vertices) {}
   Index triangle_count() const { return static_cast<Index>(vertices_.size() / 3); }
   Index vertex(Index corner) const { return vertices_[corner]; }
   static Index next(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
@@ -69,7 +69,7 @@ bool has_proper_triangles_only(const Mesh& mesh, const Context& context) {
 }
 
 // The faces around a vertex, one after another.
-struct Fan {
+struct FaceFan {
   bool is_single = false;  // they form one path or one cycle, consistently oriented
   Index leaving =
       -1;  // the corner whose half-edge leaves the vertex without an opposite one; -1: there is none
@@ -77,8 +77,8 @@ struct Fan {
 
 // Finds out how the faces around a vertex are connected. `next` and `previous` receive the vertices that follow
 // and precede it in each of them.
-Fan fan_around(Index vertex, std::span<const Index> triangles, const Corners& corners, std::vector<Index>& next,
-               std::vector<Index>& previous) {
+FaceFan fan_around(Index vertex, std::span<const Index> triangles, const TriangleCorners& corners,
+                   std::vector<Index>& next, std::vector<Index>& previous) {
   constexpr std::size_t crowd = 4096;  // comparing all pairs of faces takes too long above this
   const std::size_t count = triangles.size();
   if (count > crowd) return {};
@@ -86,8 +86,8 @@ Fan fan_around(Index vertex, std::span<const Index> triangles, const Corners& co
   previous.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const Index corner = corners.corner_at(vertex, triangles[k]);
-    next[k] = corners.vertex(Corners::next(corner));
-    previous[k] = corners.vertex(Corners::previous(corner));
+    next[k] = corners.vertex(TriangleCorners::next(corner));
+    previous[k] = corners.vertex(TriangleCorners::previous(corner));
   }
   const auto found = [&](const std::vector<Index>& among, Index value) {
     return static_cast<std::size_t>(std::find(among.begin(), among.end(), value) - among.begin());
@@ -110,8 +110,8 @@ Fan fan_around(Index vertex, std::span<const Index> triangles, const Corners& co
 }
 
 // Returns the corners of `SimpleSurface::leaving`, or nothing if a vertex has not one fan.
-std::optional<std::vector<Index>> leaving_corners(const IndexLists& faces_around, const Corners& corners,
-                                                  const Context& context) {
+std::optional<std::vector<Index>> leaving_corners(const IndexLists& faces_around,
+                                                  const TriangleCorners& corners, const Context& context) {
   const auto count = static_cast<std::size_t>(faces_around.size());
   std::vector<std::vector<Index>> leaving(count / elements_per_block + 1);
   const bool all_single = holds_for_all(
@@ -121,7 +121,7 @@ std::optional<std::vector<Index>> leaving_corners(const IndexLists& faces_around
         for (std::size_t v = begin; v < end; ++v) {
           const auto triangles = faces_around[static_cast<Index>(v)];
           if (triangles.empty()) continue;
-          const Fan fan = fan_around(static_cast<Index>(v), triangles, corners, next, previous);
+          const FaceFan fan = fan_around(static_cast<Index>(v), triangles, corners, next, previous);
           if (!fan.is_single) return false;
           if (fan.leaving >= 0) leaving[block].push_back(fan.leaving);
         }
@@ -137,7 +137,7 @@ std::optional<std::vector<Index>> leaving_corners(const IndexLists& faces_around
 // Returns for each vertex the smallest one of its component. Ranges of vertices are joined within themselves in
 // parallel, and then by the edges between them.
 std::vector<Index> smallest_connected(const IndexLists& faces_around, const std::vector<Index>& leaving,
-                                      const Corners& corners, const Context& context) {
+                                      const TriangleCorners& corners, const Context& context) {
   const Index count = faces_around.size();
   DisjointSets sets(count);
   std::vector<std::vector<std::array<Index, 2>>> between(static_cast<std::size_t>(count) / elements_per_block +
@@ -150,7 +150,7 @@ std::vector<Index> smallest_connected(const IndexLists& faces_around, const std:
           const auto end = static_cast<Index>(std::min<std::size_t>(count, (range + 1) * elements_per_block));
           for (Index v = begin; v < end; ++v)
             for (const Index t : faces_around[v]) {
-              const Index next = corners.vertex(Corners::next(corners.corner_at(v, t)));
+              const Index next = corners.vertex(TriangleCorners::next(corners.corner_at(v, t)));
               if (next < v) continue;  // the opposite half-edge joins the two, or `leaving` does
               if (next < end)
                 sets.unite(v, next);
@@ -162,14 +162,15 @@ std::vector<Index> smallest_connected(const IndexLists& faces_around, const std:
       context, 1);
   for (const auto& some : between)
     for (const auto& [a, b] : some) sets.unite(a, b);
-  for (const Index corner : leaving) sets.unite(corners.vertex(corner), corners.vertex(Corners::next(corner)));
+  for (const Index corner : leaving)
+    sets.unite(corners.vertex(corner), corners.vertex(TriangleCorners::next(corner)));
   std::vector<Index> smallest(static_cast<std::size_t>(count));
   for (Index v = 0; v < count; ++v) smallest[v] = sets.root(v);
   return smallest;
 }
 
 // Returns the offsets of the rings: a vertex has as many neighbours as faces, and one more if its fan is open.
-std::vector<Index> ring_offsets(const SimpleSurface& surface, const Corners& corners) {
+std::vector<Index> ring_offsets(const SimpleSurface& surface, const TriangleCorners& corners) {
   std::vector<Index> offsets = surface.faces_around.offsets;
   Index opened = 0;
   auto leaving = surface.leaving.begin();
@@ -183,7 +184,7 @@ std::vector<Index> ring_offsets(const SimpleSurface& surface, const Corners& cor
   return offsets;
 }
 
-IndexLists rings_of(const SimpleSurface& surface, const Corners& corners, const Context& context) {
+IndexLists rings_of(const SimpleSurface& surface, const TriangleCorners& corners, const Context& context) {
   IndexLists rings;
   rings.offsets = ring_offsets(surface, corners);
   rings.values.resize(static_cast<std::size_t>(rings.offsets.back()));
@@ -192,10 +193,10 @@ IndexLists rings_of(const SimpleSurface& surface, const Corners& corners, const 
                end = rings.values.begin() + rings.offsets[v + 1];
     auto last = first;
     for (const Index t : surface.faces_around[v])
-      *last++ = corners.vertex(Corners::next(corners.corner_at(v, t)));
+      *last++ = corners.vertex(TriangleCorners::next(corners.corner_at(v, t)));
     if (last != end) {  // where an open fan ends, a neighbour follows the vertex in no face
       for (const Index t : surface.faces_around[v]) {
-        const Index before = corners.vertex(Corners::previous(corners.corner_at(v, t)));
+        const Index before = corners.vertex(TriangleCorners::previous(corners.corner_at(v, t)));
         if (std::find(first, last, before) == last) *last = before;
       }
     }
@@ -222,7 +223,7 @@ std::vector<Index> numbered_components(const SimpleSurface& surface) {
   return number;
 }
 
-std::vector<std::vector<Index>> loops_of(const SimpleSurface& surface, const Corners& corners) {
+std::vector<std::vector<Index>> loops_of(const SimpleSurface& surface, const TriangleCorners& corners) {
   std::vector<std::vector<Index>> loops;
   Flags used(surface.leaving.size(), 0);
   const auto leaving_at = [&](Index vertex) {
@@ -234,7 +235,8 @@ std::vector<std::vector<Index>> loops_of(const SimpleSurface& surface, const Cor
     if (used[k]) continue;
     std::vector<Index>& loop = loops.emplace_back();
     for (auto at = static_cast<std::ptrdiff_t>(k); !used[static_cast<std::size_t>(at)];
-         at = leaving_at(corners.vertex(Corners::next(surface.leaving[static_cast<std::size_t>(at)])))) {
+         at =
+             leaving_at(corners.vertex(TriangleCorners::next(surface.leaving[static_cast<std::size_t>(at)])))) {
       used[static_cast<std::size_t>(at)] = 1;
       loop.push_back(corners.vertex(surface.leaving[static_cast<std::size_t>(at)]));
     }
@@ -281,7 +283,7 @@ IndexLists triangles_around(Index vertex_count, std::span<const Index> corners, 
 
 std::shared_ptr<const SimpleSurface> find_simple_surface(const Mesh& mesh, const Context& context) {
   if (!has_proper_triangles_only(mesh, context)) return nullptr;
-  const Corners corners(mesh.faces.corners());
+  const TriangleCorners corners(mesh.faces.corners());
   auto surface = std::make_shared<SimpleSurface>();
   surface->faces_around = triangles_around(mesh.vertex_count(), mesh.faces.corners(), context);
   auto leaving = leaving_corners(surface->faces_around, corners, context);
@@ -292,7 +294,7 @@ std::shared_ptr<const SimpleSurface> find_simple_surface(const Mesh& mesh, const
 }
 
 Connectivity connectivity(const Mesh& mesh, const SimpleSurface& surface, const Context& context) {
-  const Corners corners(mesh.faces.corners());
+  const TriangleCorners corners(mesh.faces.corners());
   return {rings_of(surface, corners, context), numbered_components(surface), loops_of(surface, corners)};
 }
 
