@@ -135,12 +135,12 @@ Vector3d longest_side(const TestMesh& mesh) {
   return Vector3d::Unit(longest);
 }
 
-TEST(ReducedFrames, EverydayEditsAreWithinTwoToFivePerCent) {
+TEST(ReducedFrames, EverydayEditsAreWithinAFewPerCent) {
   const std::vector<std::pair<TestMesh, double>> bounds{{bar(6, 30), 0.02},
                                                         {grid(40, 40), 0.02},
                                                         {irregular_grid(40, 40), 0.025},
                                                         {tube(24, 48), 0.02},
-                                                        {icosphere(4), 0.04}};
+                                                        {icosphere(4), 0.06}};
   for (const auto& [mesh, largest] : bounds) {
     const Scene scene = make_scene(mesh);
     const Deformer deformer = make_deformer(scene, held_foot(scene), DeformMethod::corotational);
