@@ -35,13 +35,13 @@ class IntrinsicTriangulation {
   bool mollified() const { return mollified_; }
 
   /// Flips edges until all are Delaunay. Returns the number of flips.
-  Index flip_to_delaunay(const Context& context) {
+  std::size_t flip_to_delaunay(const Context& context) {
     std::vector<Index> stack;
     for (Index h = 0; h < half_edges(); ++h)
       if (h < twin_[h] && !is_delaunay(h)) stack.push_back(h);
     SparseChecks check(context);
-    const auto most_flips = static_cast<Index>(10 * start_.size());
-    Index flips = 0;
+    const std::size_t most_flips = 10 * start_.size();
+    std::size_t flips = 0;
     while (!stack.empty() && flips < most_flips) {
       check();
       const Index h = stack.back();  // a flip may have made it another edge, at a boundary, too

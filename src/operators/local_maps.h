@@ -38,8 +38,9 @@ SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings
 
 /// Returns the places (n×3) of the local maps. A map that is fitted to a lopsided ring is, to second order, the
 /// gradient at a place beside its vertex: p_i + ⅓ Σ_s (h_s·d_s) d_s over the ring, with d_s = p_s − p_i and the
-/// coefficients h_s of `local_map_operator`. It is p_i in a ring with a centre of symmetry. The place does not
-/// depend on which maps are known. It is p_i, too, where the ring spans no plane.
+/// coefficients h_s of a fit as in `local_map_operator`, with an apex that is one mean edge length high. It is
+/// p_i in a ring with a centre of symmetry, and where the ring spans no plane. The place does not depend on
+/// which maps are known.
 Points map_places(const StencilSurface& surface, const Context& context = {});
 
 /// One vertex with its ring and its constrained transform W.

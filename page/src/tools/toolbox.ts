@@ -414,7 +414,8 @@ export class ToolBox implements ToolActions {
 
 /** Takes the focus from the element that has it, which would use keys that are meant for the view. */
 function leaveFocus(): void {
-  if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+  const { activeElement: active } = document;
+  if (active instanceof HTMLElement && !(active instanceof HTMLCanvasElement)) active.blur(); // the view takes keys
 }
 
 /** Keeps a pinch from scaling the page, which the browser would do beside the view. */

@@ -10,7 +10,6 @@
 #include "core/stopwatch.h"
 #include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
-#include "rotations.h"
 #include "stiffness_edges.h"
 
 namespace meshgraft {

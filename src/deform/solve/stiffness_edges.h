@@ -9,8 +9,8 @@
 
 namespace meshgraft {
 
-/// The share of an anchor's weight in its row. It was measured: weight 1 leaves 30 to 70 % of the motion,
-/// although the rotations of the surface give way to anchors, too.
+/// The share of an anchor's weight in its row. With it, weight 1 leaves about half of the anchors' motion
+/// (docs/method.md, "Stationary anchors").
 inline constexpr double anchor_share = 0.95;
 
 /// Calls `add(i, j, w)` for the rows w (x_i − x_j) of a stiffness. Beside rows of E_R that are integrals they

@@ -114,8 +114,9 @@ export class DropTool implements Tool {
     this.show();
   }
 
+  // Open parts have no base to cut.
   private tiltBase(byDeg: number): void {
-    if (this.drop === undefined) return;
+    if (this.drop === undefined || this.graft.byName(this.graft.dropped.value?.name)?.loops !== 0) return;
     this.drop.baseTiltDeg = Math.max(-mostTiltDeg, Math.min(mostTiltDeg, this.drop.baseTiltDeg + byDeg));
     this.show();
   }
