@@ -104,8 +104,8 @@ TEST_P(StandardTests, GiveKnownQualityAndTheDefaultMethodIsNotBeaten) {
     if (method == Baseline::smooth_arap_2025) {
       EXPECT_LT(product(ours), standing.share_of_smooth * product(other));
     }
-    // By one per cent and more: Smooth ARAP is as rough on the plane, where it distorts less.
-    EXPECT_FALSE(other.edge_rms < 0.99 * ours.edge_rms && other.dihedral_p99_deg < 0.99 * ours.dihedral_p99_deg)
+    // By two per cent and more: Smooth ARAP is as rough on the plane, where it distorts less.
+    EXPECT_FALSE(other.edge_rms < 0.98 * ours.edge_rms && other.dihedral_p99_deg < 0.98 * ours.dihedral_p99_deg)
         << other.edge_rms << " / " << other.dihedral_p99_deg << " against " << ours.edge_rms << " / "
         << ours.dihedral_p99_deg;
   }
