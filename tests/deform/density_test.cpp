@@ -121,7 +121,10 @@ INSTANTIATE_TEST_SUITE_P(Density, LongTriangles,
                            return name;
                          });
 
-TEST(Density, LongTrianglesTurnLikeOthersLinearly) { expect_half(linear_method(), 60, 0.03); }
+TEST(Density, LongTrianglesTurnLikeOthersLinearly) {
+  expect_half(linear_method(), 60, 0.03);
+  expect_half(linear_method({.weights = WeightScheme::cotangent}), 60, 0.02);
+}
 
 TEST(Density, FansAndSliversKeepTheRule) {
   for (const DeformMethod method :
