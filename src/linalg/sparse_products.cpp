@@ -1,6 +1,7 @@
 #include "sparse_products.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -26,41 +27,44 @@ struct SparseRow {
   const double* values;
 };
 
-/// Sums sparse rows in a dense array. Returns the touched columns sorted.
+/// Sums sparse rows in a dense array. Bits tell which columns were touched, so that they are listed in order
+/// without sorting them: only the words of 64 bits are sorted, and neighbouring columns share a word.
 class RowAccumulator {
  public:
-  explicit RowAccumulator(Eigen::Index columns) : values_(columns, 0.0), touched_in_(columns, -1) {}
+  explicit RowAccumulator(Eigen::Index columns)
+      : values_(columns, 0.0), bits_(static_cast<std::size_t>(columns) / word_size + 1, 0) {}
 
-  void begin(std::int64_t row) {
-    row_ = row;
-    touched_.clear();
-  }
   void add(int column, double value) {
-    if (touched_in_[column] != row_) {
-      touched_in_[column] = row_;
-      values_[column] = value;
-      touched_.push_back(column);
-    } else {
+    std::uint64_t& word = bits_[static_cast<std::size_t>(column) / word_size];
+    const std::uint64_t bit = std::uint64_t{1} << (static_cast<unsigned>(column) % word_size);
+    if ((word & bit) != 0) {
       values_[column] += value;
+      return;
     }
+    if (word == 0) words_.push_back(column / static_cast<int>(word_size));
+    word |= bit;
+    values_[column] = value;
   }
-  const std::vector<int>& sorted_columns() {
-    std::sort(touched_.begin(), touched_.end());
-    return touched_;
-  }
-  double operator[](int column) const { return values_[column]; }
-  /// Returns a sparse row whose columns are in the order in which they were first touched.
-  SparseRow row() {
-    gathered_.clear();
-    for (const int column : touched_) gathered_.push_back(values_[column]);
-    return {touched_, gathered_.data()};
+
+  /// Appends the touched columns, ascending, and their sums. The next row then starts empty.
+  void flush(std::vector<int>& columns, std::vector<double>& values) {
+    std::sort(words_.begin(), words_.end());
+    for (const int number : words_) {
+      for (std::uint64_t word = bits_[number]; word != 0; word &= word - 1) {
+        const int column = number * static_cast<int>(word_size) + std::countr_zero(word);
+        columns.push_back(column);
+        values.push_back(values_[column]);
+      }
+      bits_[number] = 0;
+    }
+    words_.clear();
   }
 
  private:
-  std::vector<double> values_, gathered_;
-  std::vector<std::int64_t> touched_in_;
-  std::vector<int> touched_;
-  std::int64_t row_ = -1;
+  static constexpr std::size_t word_size = 64;
+  std::vector<double> values_;
+  std::vector<std::uint64_t> bits_;
+  std::vector<int> words_;  ///< numbers of the words with a bit set
 };
 
 /// Consecutive rows of b with the same columns, such as those of one vertex's map, are added together. Each
@@ -137,23 +141,21 @@ struct ProductRows {
   static constexpr std::size_t block_size = 256;
 };
 
-/// Computes rows of a product: `add_row(row, sum, inner)` adds up a row in `sum`. `inner` is a second
-/// accumulator for intermediate sums.
+/// Computes rows of a product: `add_row(row, sum)` adds up a row in `sum`.
 template <typename AddRow>
-ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, Eigen::Index inner_columns,
-                          const AddRow& add_row, const Context& context) {
+ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, const AddRow& add_row,
+                          const Context& context) {
   const std::size_t blocks = (rows + ProductRows::block_size - 1) / ProductRows::block_size;
   ProductRows result;
   result.offsets.assign(rows + 1, 0);
   result.block_columns.resize(blocks);
   result.block_values.resize(blocks);
   struct Scratch {
-    RowAccumulator sum, inner;
+    RowAccumulator sum;
     std::vector<int> columns;
     std::vector<double> values;
   };
-  tbb::enumerable_thread_specific<Scratch> scratches(
-      [&] { return Scratch{RowAccumulator(columns), RowAccumulator(inner_columns), {}, {}}; });
+  tbb::enumerable_thread_specific<Scratch> scratches([&] { return Scratch{RowAccumulator(columns), {}, {}}; });
   parallel_blocks(
       blocks,
       [&](std::size_t begin, std::size_t end) {
@@ -163,14 +165,10 @@ ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, Eigen::Index i
           scratch.values.clear();
           const std::size_t last = std::min(rows, (block + 1) * ProductRows::block_size);
           for (std::size_t row = block * ProductRows::block_size; row < last; ++row) {
-            scratch.sum.begin(static_cast<std::int64_t>(row));
-            add_row(static_cast<Eigen::Index>(row), scratch.sum, scratch.inner);
-            const std::vector<int>& sorted = scratch.sum.sorted_columns();
-            for (const int column : sorted) {
-              scratch.columns.push_back(column);
-              scratch.values.push_back(scratch.sum[column]);
-            }
-            result.offsets[row + 1] = static_cast<std::int64_t>(sorted.size());
+            add_row(static_cast<Eigen::Index>(row), scratch.sum);
+            const std::size_t before = scratch.columns.size();
+            scratch.sum.flush(scratch.columns, scratch.values);
+            result.offsets[row + 1] = static_cast<std::int64_t>(scratch.columns.size() - before);
           }
           result.block_columns[block] = scratch.columns;
           result.block_values[block] = scratch.values;
@@ -211,37 +209,46 @@ Matrix compress(ProductRows&& product, Eigen::Index rows, Eigen::Index columns, 
 
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context) {
   const Factor right(b, context);
-  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum, RowAccumulator&) {
+  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
     add_product(row_of(a, row), right, 1, 0, sum);
   };
-  return compress<SparseRows>(multiply_rows(a.rows(), b.cols(), 0, add_row, context), a.rows(), b.cols(),
-                              context);
+  return compress<SparseRows>(multiply_rows(a.rows(), b.cols(), add_row, context), a.rows(), b.cols(), context);
 }
 
 SparseRows difference_of_products(const SparseProduct& first, const SparseProduct& second,
                                   const Context& context) {
   const Factor right1(first.b, context), right2(second.b, context);
-  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum, RowAccumulator&) {
+  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
     add_product(row_of(first.a, row), right1, 1, 0, sum);
     add_product(row_of(second.a, row), right2, -1, 0, sum);
   };
   const Eigen::Index rows = first.a.rows(), columns = first.b.cols();
-  return compress<SparseRows>(multiply_rows(rows, columns, 0, add_row, context), rows, columns, context);
+  return compress<SparseRows>(multiply_rows(rows, columns, add_row, context), rows, columns, context);
 }
 
+// K G is not stored: it would have more entries than all other matrices.
 NormalMatrix normal_equations(const NormalTerms& terms, const Context& context) {
   const Factor right_A(terms.A, context), right_K(terms.K, context), right_G(terms.G, context);
+  struct Inner {
+    RowAccumulator sum;
+    std::vector<int> columns;
+    std::vector<double> values;
+  };
+  tbb::enumerable_thread_specific<Inner> inners([&] { return Inner{RowAccumulator(terms.K.cols()), {}, {}}; });
   // The upper triangle by rows is the lower triangle by columns.
-  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum, RowAccumulator& inner) {
+  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
     const auto first = static_cast<int>(row);
     add_product(row_of(terms.A_transposed, row), right_A, 1, first, sum);
-    inner.begin(row);
-    add_product(row_of(terms.G_transposed, row), right_K, 1, 0, inner);
-    add_product(inner.row(), right_G, 1, first, sum);
+    Inner& inner = inners.local();
+    add_product(row_of(terms.G_transposed, row), right_K, 1, 0, inner.sum);
+    inner.columns.clear();
+    inner.values.clear();
+    inner.sum.flush(inner.columns, inner.values);  // ascending, so that the rows of a map are added together
+    add_product({inner.columns, inner.values.data()}, right_G, 1, first, sum);
   };
   const Eigen::Index unknowns = terms.A.cols();
-  return compress<NormalMatrix>(multiply_rows(unknowns, unknowns, terms.K.cols(), add_row, context), unknowns,
-                                unknowns, context);
+  return compress<NormalMatrix>(multiply_rows(unknowns, unknowns, add_row, context), unknowns, unknowns,
+                                context);
 }
 
 }  // namespace meshgraft

@@ -197,7 +197,8 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
 }
 
 SparseRows AffineOperator::coupling(const Context& context) const {
-  if (intrinsic_edges_) return multiply(transpose(P_, context), P_, context);
+  // Integral rows couple the k-th columns of two maps with each other alone, FT05's all three with all three.
+  const int width = intrinsic_edges_ ? 1 : 3;
   const Index n = rings_.size();
   // Indexes the pairs by their second vertex; they are sorted by their first.
   IndexLists to_smaller;
@@ -217,13 +218,18 @@ SparseRows AffineOperator::coupling(const Context& context) const {
   std::vector<int> lengths(3 * n);
   for (Index v = 0; v < n; ++v) {
     const auto partners = static_cast<int>(to_smaller[v].size()) + first_pair[v + 1] - first_pair[v];
-    std::fill_n(lengths.begin() + 3 * v, 3, partners > 0 ? 3 * (partners + 1) : 0);
+    std::fill_n(lengths.begin() + 3 * v, 3, partners > 0 ? width * (partners + 1) : 0);
   }
   SparseRows K = rows_of_lengths(lengths, 3 * n);
   const auto rows_per_pair = pairs_.empty() ? 0 : P_.rows() / static_cast<Eigen::Index>(pairs_.size());
-  // Returns Σ d dᵀ over the rows of a pair.
+  // Returns Σ d dᵀ over the rows of a pair, where integral rows have the coordinate axes times √w for d.
   const auto block_of = [&](Index pair) {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+    if (intrinsic_edges_) {
+      const double weight = P_.valuePtr()[6 * static_cast<std::size_t>(pair)];
+      block.diagonal().setConstant(weight * weight);
+      return block;
+    }
     for (Eigen::Index row = pair * rows_per_pair; row < (pair + 1) * rows_per_pair; ++row) {
       const Eigen::Map<const Eigen::Vector3d> d(P_.valuePtr() + 6 * row);
       block += d * d.transpose();
@@ -239,8 +245,8 @@ SparseRows AffineOperator::coupling(const Context& context) const {
           int next_column = 0;
           const auto write = [&](Index partner, const Eigen::Matrix3d& block, int at) {
             for (int row = 0; row < 3; ++row)
-              for (int column = 0; column < 3; ++column) {
-                const int entry = first + row * length + at + column;
+              for (int k = 0; k < width; ++k) {
+                const int entry = first + row * length + at + k, column = width == 1 ? row : k;
                 K.innerIndexPtr()[entry] = 3 * partner + column;
                 K.valuePtr()[entry] = block(row, column);
               }
@@ -250,11 +256,11 @@ SparseRows AffineOperator::coupling(const Context& context) const {
             const Eigen::Matrix3d block = block_of(pair);
             own += block;
             write(partner, -block, next_column);
-            next_column += 3;
+            next_column += width;
           };
           for (const Index pair : to_smaller[v]) add(pair, pairs_[pair][0]);
           const int diagonal = next_column;
-          next_column += 3;
+          next_column += width;
           for (Index pair = first_pair[v]; pair < first_pair[v + 1]; ++pair) add(pair, pairs_[pair][1]);
           write(v, own, diagonal);
         }

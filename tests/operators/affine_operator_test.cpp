@@ -7,6 +7,7 @@
 #include <meshgraft/core/error.h>
 
 #include "linalg/sparse.h"
+#include "linalg/sparse_products.h"
 #include "operators/laplacian.h"
 #include "operators/smoothness_pairs.h"
 #include "support/mesh_families.h"
@@ -193,6 +194,33 @@ TEST(Options, OutOfRangeAreNamed) {
       EXPECT_EQ(error.location().text(), field);
     }
   }
+}
+
+TEST(Coupling, IsTheProductOfTheSmoothnessRows) {
+  for (const auto& mesh : families())
+    for (const OperatorOptions& options : all_options()) {
+      const AffineOperator op(mesh.positions, mesh.triangles, options);
+      const SparseRows K = op.coupling(), expected = transpose(op.P()) * op.P();
+      EXPECT_LE(SparseRows(K - expected).norm(), 1e-14 * expected.norm()) << mesh.name << name_of(options);
+    }
+}
+
+TEST(NormalMatrices, AreTheProductsOfAllRows) {
+  for (const auto& mesh : families())
+    for (const OperatorOptions& options : all_options()) {
+      const AffineOperator op(mesh.positions, mesh.triangles, options);
+      const SparseRows laplacian = op.L() - multiply(op.delta(), op.H()), A = op.A();
+      const NormalMatrix lower = normal_equations({.A = laplacian,
+                                                   .A_transposed = transpose(laplacian),
+                                                   .G = op.H(),
+                                                   .G_transposed = transpose(op.H()),
+                                                   .K = op.coupling()});
+      const Eigen::SparseMatrix<double> product = A.transpose() * A;
+      const NormalMatrix expected = product.triangularView<Eigen::Lower>();
+      // A row of E_L is a difference that may cancel, so that rounding is relative to its terms.
+      EXPECT_LE(NormalMatrix(lower - expected).norm(), 1e-13 * (expected.norm() + op.L().squaredNorm()))
+          << mesh.name << name_of(options);
+    }
 }
 
 }  // namespace

@@ -156,13 +156,15 @@ Patch make_patch(const Points& points, const Triangles& triangles, const IndexLi
   }
   std::sort(faces.begin(), faces.end());
   faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  std::vector<Index> local(flagged.size());  // valid for vertices of the patch
+  for (Index i = 0; i < patch.size(); ++i) local[patch.vertices[i]] = i;
   patch.triangles.resize(static_cast<Eigen::Index>(faces.size()), 3);
   parallel_blocks(
       faces.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f)
           for (int corner = 0; corner < 3; ++corner)
-            patch.triangles(static_cast<Eigen::Index>(f), corner) = patch.local(triangles(faces[f], corner));
+            patch.triangles(static_cast<Eigen::Index>(f), corner) = local[triangles(faces[f], corner)];
       },
       context, 4096);
   patch.reoriented = any_inconsistent(patch.size(), patch.triangles, context);
