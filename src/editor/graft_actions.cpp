@@ -164,6 +164,15 @@ void cancel_graft(Json& document, const EditFile& edit) {
   steps.push_back(empty_step(merge->target));
 }
 
+std::string part_of_drop(const History& history) {
+  for (std::size_t i = history.position(); i > 0; --i) {
+    if (history.at(i).label == "start_graft") break;
+    if (history.at(i).label == "drop_part")
+      return Json::parse(history.at(i).document)["steps"].back()["source"].get<std::string>();
+  }
+  return {};
+}
+
 void swap_graft(Json& document, const EditFile& edit) {
   if (merge_in_work(edit) == nullptr) throw Error(facts::editor::NoGraft{}, "graft");
   Json& step = document["steps"].back();

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "document.h"
+#include "history.h"
 
 namespace meshgraft::editor {
 
@@ -38,7 +39,10 @@ std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step);
 /// only the named values of `settings` change. Throws Error(input) where the part is ambiguous or is the
 /// model itself.
 void set_graft(Json& document, const EditFile& edit, const Json& fields);
+/// Removes the graft in work.
 void cancel_graft(Json& document, const EditFile& edit);
+/// Returns the part that was added by the same change as the graft in work was started; empty: none.
+std::string part_of_drop(const History& history);
 /// Exchanges target and source, with the pairs. Removes the fields that apply to one of them only.
 void swap_graft(Json& document, const EditFile& edit);
 

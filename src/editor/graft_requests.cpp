@@ -154,7 +154,7 @@ Json Worker::with_graft(Json given) {
 
 Json Worker::graft(const json::Value& message, const Context& context) {
   enum class What { set, cancel, swap };
-  const json::Object fields(message, graft_fields_and({"id", "do", "what"}));
+  const json::Object fields(message, graft_fields_and({"id", "do", "what", "with_part"}));
   What what = What::set;
   fields.optional("what", [&](const json::Value& v) {
     what = v.choice<What>({{"set", What::set}, {"cancel", What::cancel}, {"swap", What::swap}});
@@ -163,14 +163,24 @@ Json Worker::graft(const json::Value& message, const Context& context) {
   const Json given = graft_fields_of(fields);
   if (what != What::set && !given.empty()) message.fail(facts::editor::FieldsWithoutUse{});
   const bool starts = merge_in_work(edit) == nullptr;
+  bool with_part = false;
+  fields.optional("with_part", [&](const json::Value& v) { with_part = v.boolean(); });
+  const History& history = open_one().history();
   Json document = open_one().document().json;
   if (what == What::set) document = with_graft(given);
-  if (what == What::cancel) cancel_graft(document, edit);
+  if (what == What::cancel) {
+    cancel_graft(document, edit);
+    const std::string part = part_of_drop(history);
+    if (part == merge_in_work(edit)->source) remove_part(document, edit, part);
+  }
   if (what == What::swap) swap_graft(document, edit);
-  open_one().change(what == What::cancel ? "cancel_graft"
-                    : starts             ? "start_graft"
-                                         : "graft",
-                    document, context);
+  if (starts && with_part && history.can_undo() && history.label() == "add_part")
+    open_one().extend_change("drop_part", document, context);
+  else
+    open_one().change(what == What::cancel ? "cancel_graft"
+                      : starts             ? "start_graft"
+                                           : "graft",
+                      document, context);
   tell_change();
   return shown_graft();
 }

@@ -270,15 +270,31 @@ void Workspace::note_whether_saved() {
     write([&](Journal& journal) { journal.mark_saved(source_.edit, source_.edit_sha256); });
 }
 
-void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
-  bool begins = false;
+// Shows a changed document. Returns whether a set-up begins; nothing where the document is the same.
+std::optional<bool> Workspace::show_changed(const Json& changed, const Context& context) {
   try {
     Document next = checked(make_document(changed, document_.edit.base_folder));
-    if (next.text == document_.text) return;
-    begins = show(std::move(next), context);
+    if (next.text == document_.text) return std::nullopt;
+    return show(std::move(next), context);
   } catch (const Error& error) {
     throw with_handle_name(error, changed);
   }
+}
+
+void Workspace::change(const std::string& label, const Json& changed, const Context& context) {
+  if (const auto begins = show_changed(changed, context)) record(label, *begins);
+}
+
+void Workspace::extend_change(const std::string& label, const Json& changed, const Context& context) {
+  const auto begins = show_changed(changed, context);
+  if (!begins) return;
+  write([](Journal& journal) { journal.undo(); });
+  history_.undo();
+  record(label, *begins);
+}
+
+// Adds the shown document to history and journal.
+void Workspace::record(const std::string& label, bool begins) {
   write([&](Journal& journal) {
     if (journal.found()) journal.set_aside();  // a change declines the offer to restore
     journal.add(label, history_.current(), document_.text);

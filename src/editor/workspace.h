@@ -40,6 +40,8 @@ class Workspace {
 
   /// Makes `changed` the document. Where it is invalid, throws and leaves everything unchanged.
   void change(const std::string& label, const Json& changed, const Context& context);
+  /// Like `change`, but takes the place of the last change, so that undo takes both back.
+  void extend_change(const std::string& label, const Json& changed, const Context& context);
   void undo(const Context& context);
   void redo(const Context& context);
   void reset(const Context& context);
@@ -127,6 +129,8 @@ class Workspace {
   void note_whether_saved();
   void learn_saved(SavedEdit saved);
   bool show(Document next, const Context& context);
+  std::optional<bool> show_changed(const Json& changed, const Context& context);
+  void record(const std::string& label, bool begins);
   void end_set_up();
   std::optional<std::size_t> step_that_ended(const Document& document) const;
   std::optional<std::size_t> set_up_origin() const;

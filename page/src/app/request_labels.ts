@@ -62,6 +62,7 @@ const changes: Record<Change, string> = {
   remove_part: "removed part",
   edit_part: "part made the model",
   add_part: "new part",
+  drop_part: "dropped part",
   change_step: "changed step",
   remove_step: "removed step",
   rename_step: "renamed step",

@@ -208,7 +208,7 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   expect(user.complaints).toEqual([]);
 }, 240_000);
 
-test("cancelling the graft of a dropped part removes the part, too", async () => {
+test("cancelling the graft of a dropped part removes the part, too, in one change, after undo as well", async () => {
   const { harness, user } = await open();
   await harness.openSample("bar", 20);
   const { page } = user;
@@ -223,9 +223,50 @@ test("cancelling the graft of a dropped part removes the part, too", async () =>
   await page.mouse.move(...at, { steps: 4 });
   await user.clickAt(at);
   await grafted(user);
+  const changes = () => page.evaluate(() => [window.meshgraft.editor.state.value?.undo, window.meshgraft.editor.state.value?.redo]);
+  const partsAre = (count: number) =>
+    page.waitForFunction((count) => window.meshgraft.editor.graft.parts.value.length === count && window.meshgraft.editor.isIdle(), count);
+  const cancel = async () => {
+    await page.locator(".graft-end").getByRole("button", { name: "Cancel" }).click();
+    await partsAre(0);
+    expect(await graftOf(user)).toBeNull();
+    expect(await page.getByRole("list", { name: "Parts" }).count()).toBe(0);
+  };
+  expect(await changes()).toEqual(["drop_part", null]);
+  await cancel();
+  expect(await changes()).toEqual(["cancel_graft", null]);
+  await user.press("Control+z");
+  await grafted(user);
+  await cancel();
+  await user.press("Control+z");
+  await grafted(user);
+  await user.press("Control+z");
+  await partsAre(0);
+  expect(await changes()).toEqual([null, "drop_part"]);
+  await user.press("Control+Shift+z");
+  await grafted(user);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("a dropped part is removed by Cancel after a reload", async () => {
+  const { user } = await open({ models: { "bar.ply": ["bar", "--resolution", "20"] } });
+  const { page } = user;
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.rests();
+  await page.evaluate(async () => {
+    const { graft } = window.meshgraft.editor;
+    await graft.beginDrop(() => graft.addPart({ sample: "head", resolution: 20 }, false));
+  });
+  const [left, top, right, bottom] = await boxOnPage(user, "model");
+  const at: Point = [(left + right) / 2, (top + bottom) / 2];
+  await page.mouse.move(...at, { steps: 4 });
+  await user.clickAt(at);
+  await grafted(user);
+  await page.reload();
+  await user.ready();
+  await grafted(user);
   await page.locator(".graft-end").getByRole("button", { name: "Cancel" }).click();
   await page.waitForFunction(() => window.meshgraft.editor.graft.parts.value.length === 0 && window.meshgraft.editor.isIdle());
   expect(await graftOf(user)).toBeNull();
-  expect(await page.getByRole("list", { name: "Parts" }).count()).toBe(0);
   expect(user.complaints).toEqual([]);
 }, 120_000);

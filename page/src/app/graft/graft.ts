@@ -86,7 +86,6 @@ export class Graft {
 
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
   private readonly requestedLoops = new Set<number>(); // meshes whose loops were requested
-  private addedByDrop: string | undefined; // the part that the last drop added
   private newest = 0; // number of the newest graft that the engine reported
 
   constructor(private readonly host: GraftHost) {}
@@ -143,11 +142,11 @@ export class Graft {
     await this.set({ source: name });
   }
 
-  /** Changes the graft of the document, or starts one. */
-  async set(fields: GraftFields): Promise<boolean> {
+  /** Changes the graft of the document, or starts one. `withPart`: its part was added for it. */
+  async set(fields: GraftFields, withPart = false): Promise<boolean> {
     const starts = this.kept.value === undefined;
     this.drags.forget();
-    const done = await this.host.ask({ do: "graft", ...fields });
+    const done = await this.host.ask({ do: "graft", ...fields, ...(withPart && { with_part: true }) });
     batch(() => {
       this.dragged.value = null;
       if (done?.transform !== undefined) this.transform.value = done.transform;
@@ -193,12 +192,11 @@ export class Graft {
     });
     return name;
   }
-  /** Grafts the dropped part. */
+  /** Grafts the dropped part. A part that was opened for the drop is added by the same change. */
   async endDrop(fields: GraftFields): Promise<void> {
     const { value: dropped } = this.dropped;
-    this.addedByDrop = dropped?.isNew === true ? dropped.name : undefined;
     this.dropped.value = null;
-    await this.set(fields);
+    await this.set(fields, dropped?.isNew === true);
     this.isBeingDropped.value = null;
   }
   /** Cancels the drop. A part that was opened for it is removed. */
@@ -282,13 +280,8 @@ export class Graft {
   }
 
   /** Discards the graft in progress, and its part if it was added by dropping it. */
-  async cancel(): Promise<Outcome | undefined> {
-    const { value: step } = this.kept;
-    const isDropped = step?.at !== undefined && step.source === this.addedByDrop;
-    const done = await this.host.ask({ do: "graft", what: "cancel" });
-    if (done === undefined || !isDropped) return done;
-    this.addedByDrop = undefined;
-    return this.host.ask({ do: "part", what: "remove", name: step.source });
+  cancel(): Promise<Outcome | undefined> {
+    return this.host.ask({ do: "graft", what: "cancel" });
   }
   async accept(): Promise<void> {
     const done = await this.host.ask({ do: "accept" });
