@@ -17,6 +17,7 @@ import { labelOf } from "./request_labels";
 import { asPercent, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
 import { ToolSettings } from "./tool_settings";
 import { counted, formatNumber, unitsOfFiles } from "./units";
+import { keyOfUpload } from "./upload";
 import type { ViewSettings } from "./view_settings";
 import {
   fieldsOf, fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
@@ -567,10 +568,11 @@ export class Editor {
     else if (this.link.value === "open") this.offer.value = offer; // the message says why; the user may try again
   }
 
-  /** Takes the unit of the folder that the open document is from. */
+  /** Takes the unit of the folder, or of the dropped file, that the open document is from. */
   private followFolder(): void {
     const { value: opened } = this.opened;
-    if (opened !== undefined) this.view.folder.value = this.openedFolder ?? (opened.upload === undefined ? "samples" : "uploads");
+    if (opened === undefined) return;
+    this.view.folder.value = this.openedFolder ?? (opened.upload === undefined ? "samples" : keyOfUpload(opened.upload));
   }
 
   /** Remembers the open document for a reload, and whether it has unsaved changes, restored or not, for the lists. */

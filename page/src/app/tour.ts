@@ -1,4 +1,4 @@
-import { effect, signal, untracked } from "@preact/signals";
+import { computed, effect, signal, untracked } from "@preact/signals";
 import type { Editor } from "./editor";
 import { remembered } from "./remembered";
 
@@ -12,64 +12,87 @@ type Toured = Pick<
 export interface TourStep {
   readonly title: string;
   readonly words: string;
+  /** The words for those who use fingers; by default `words`. */
+  readonly touchWords?: string;
   /** Selectors of what the bubble points at; the first one that is shown counts. */
   readonly anchors: readonly string[];
   /** The label of the button that does the step for the user. */
   readonly action: string;
+  /** Whether the button can do it. Reads signals. */
+  canRun?(editor: Toured): boolean;
   /** Does the step. */
   run(editor: Toured): unknown;
-  /** Returns whether the user has done it. Reads signals. */
-  isDone(editor: Toured): boolean;
+  /** Returns what the step adds to, as text: while it is the same as when the bubble came, the step is not done. */
+  progress(editor: Toured): string;
+  /** Returns whether the document shows what the step leads to. Both read signals. */
+  isReached(editor: Toured): boolean;
 }
 
 const sample = "bust";
 const part = "head";
-const isOnSample = ({ state }: Toured) => state.value?.name === sample && state.value.file === "" && state.value.undo === null;
 const hasGraft = ({ graft }: Toured) => graft.kept.value !== undefined;
+const handlesOf = ({ state }: Toured) => state.value?.handles ?? [];
+const posesOf = (editor: Toured) => handlesOf(editor).map(({ pose }) => pose);
+const isPosed = (pose: object) => Object.keys(pose).some((key) => key !== "pivot");
+const graftsOf = ({ state }: Toured) => (state.value?.steps ?? []).filter(({ kind }) => kind === "merge").length;
 
 export const tourSteps: readonly TourStep[] = [
   {
     title: "Open a model",
     words: "Click bust, a sample. Your own files are opened from a folder, or by dropping them on the page; the editor never changes them.",
+    touchWords: "Tap bust, a sample. Your own files are opened from a folder; the editor never changes them.",
     anchors: [`[data-sample="${sample}"]`, ".file-button"],
     action: "Open bust",
     run: (editor) => editor.openInstead({ do: "open", sample }),
-    isDone: isOnSample,
+    progress: () => "",
+    isReached: ({ state }) => state.value?.name === sample && state.value.file === "" && state.value.undo === null,
   },
   {
     title: "Graft another one onto it",
     words: "Choose Graft, then head in the library. The two open necks meet, and the head takes its place, turn and size from them.",
     anchors: [`[aria-label="Add ${part}"]`, '[data-mode="graft"]'],
     action: "Graft the head",
+    canRun: ({ state }) => state.value !== null,
     run: async ({ graft }) => {
       graft.mode.value = "graft";
       await graft.addPart({ sample: part });
     },
-    isDone: (editor) => hasGraft(editor) && editor.graft.report.value?.error === undefined && editor.graft.report.value !== null,
+    progress: () => "",
+    isReached: (editor) => hasGraft(editor) && editor.graft.report.value?.error === undefined && editor.graft.report.value !== null,
   },
   {
     title: "Change it, and accept it",
     words: "Drag Twist or Tilt, and the result follows. Accept keeps the graft as a step, which you can still change later.",
     anchors: [".graft-end", ".graft-top", '[data-mode="graft"]'],
     action: "Accept the graft",
+    canRun: hasGraft,
     run: ({ graft }) => graft.accept(),
-    isDone: (editor) => !hasGraft(editor) && editor.state.value?.steps.some(({ kind }) => kind === "merge") === true,
+    progress: (editor) => String(graftsOf(editor) - Number(hasGraft(editor))),
+    isReached: (editor) => !hasGraft(editor) && graftsOf(editor) > 0,
   },
   {
     title: "Take hold of something",
     words: "Choose Deform, then the tool Handle, and paint over the nose. On release a gizmo appears. What you paint moves as one, and the surface within its reach follows.",
+    touchWords:
+      "Choose Deform, then the tool Handle, and paint over the nose with a finger. Lift it, and a gizmo appears. What you paint moves as one, and the surface within its reach follows.",
     anchors: ['.toolbar [data-label="Handle"]', '[data-mode="deform"]'],
     action: "Hold the head",
+    canRun: ({ box }) => box.value !== null,
     run: holdHead,
-    isDone: ({ state }) => (state.value?.handles.length ?? 0) > 0,
+    progress: (editor) => JSON.stringify(handlesOf(editor).map(({ name }) => name)),
+    isReached: (editor) => handlesOf(editor).length > 0,
   },
   {
     title: "Move it",
     words: "Drag the gizmo: arrows move, rings turn, boxes scale along an axis, the orange knob enlarges, the blue one sets the reach. Hold \\ to see the mesh before.",
+    touchWords:
+      "Drag the gizmo with a finger: arrows move, rings turn, boxes scale along an axis, the orange knob enlarges, the blue one sets the reach. Hold Before and after at the top to see the mesh before.",
     anchors: [".view"],
     action: "Turn the head",
+    canRun: (editor) => handlesOf(editor).length > 0,
     run: turnHandle,
-    isDone: ({ state }) => state.value?.handles.some(({ pose }) => Object.keys(pose).some((key) => key !== "pivot")) === true,
+    progress: (editor) => JSON.stringify(posesOf(editor)),
+    isReached: (editor) => editor.state.value?.undo === "pose" && posesOf(editor).some(isPosed),
   },
   {
     title: "Keep it",
@@ -77,7 +100,8 @@ export const tourSteps: readonly TourStep[] = [
     anchors: ['[data-label="Save"]', ".file-button"],
     action: "Finish",
     run: () => undefined,
-    isDone: () => false,
+    progress: () => "",
+    isReached: () => false,
   },
 ];
 
@@ -99,13 +123,24 @@ async function turnHandle(editor: Toured): Promise<void> {
   if (handle !== undefined) await editor.pose({ [handle.name]: { rotate: { axis: [0, 1, 0], angle_deg: 15 } } });
 }
 
-/** Leads through an edit of a sample, bubble by bubble. Each goes on by itself once the user has done what it says. */
+/** The shown bubble, and the progress of its step when it came. */
+interface Place {
+  readonly index: number;
+  readonly before: string;
+}
+
+/**
+ * Leads through an edit of a sample, bubble by bubble. Each goes on once the user has done what it says, or has chosen to
+ * go on without it. A reload resumes the tour.
+ */
 export class Tour {
+  private readonly place = signal<Place | null>(placeBeforeReload());
   /** The shown bubble; null: none. */
-  readonly index = signal<number | null>(null);
+  readonly index = computed(() => this.place.value?.index ?? null);
   private readonly seen = remembered("tour seen", false);
 
   constructor(private readonly editor: Toured) {
+    effect(() => rememberPlace(this.place.value));
     effect(() => this.beginOnce());
     effect(() => this.follow());
   }
@@ -113,31 +148,45 @@ export class Tour {
   get step(): TourStep | undefined {
     return this.index.value === null ? undefined : tourSteps[this.index.value];
   }
+  /** Whether the shown step is the last one. */
+  get isLast(): boolean {
+    return this.index.value === tourSteps.length - 1;
+  }
+  /** Whether the button of the shown step can do it now. */
+  get canRun(): boolean {
+    return this.step?.canRun?.(this.editor) ?? true;
+  }
+  /** Whether the shown step may be left out: all later ones need an open model. */
+  get canPass(): boolean {
+    return !this.isLast && this.editor.state.value !== null;
+  }
 
   start(): void {
     this.editor.dialog.value = null;
     this.seen.value = true;
-    this.index.value = 0;
+    this.goTo(0);
   }
 
-  /** Does the step for the user, and goes on. */
-  async next(): Promise<void> {
-    const { step } = this;
-    const { value: index } = this.index;
-    if (step === undefined || index === null) return;
-    if (!step.isDone(this.editor)) await step.run(this.editor);
-    if (this.index.value === index && index > 0) this.goTo(index + 1); // the first one waits until the sample is open
+  /** Does the step for the user. The next bubble comes once it is done; the last one ends the tour. */
+  async run(): Promise<void> {
+    if (this.isLast) this.skip();
+    else await this.step?.run(this.editor);
+  }
+
+  /** Goes on without the step. */
+  pass(): void {
+    if (this.index.value !== null && this.canPass) this.goTo(this.index.value + 1);
   }
 
   /** Ends the tour. Returns whether it was shown. */
   skip(): boolean {
-    const wasShown = this.index.value !== null;
-    this.index.value = null;
+    const wasShown = this.place.value !== null;
+    this.place.value = null;
     return wasShown;
   }
 
   private goTo(index: number): void {
-    this.index.value = index < tourSteps.length ? index : null;
+    this.place.value = { index, before: tourSteps[index]?.progress(this.editor) ?? "" };
   }
 
   /** Begins the tour at the first start, unless there is something else to do. */
@@ -149,7 +198,35 @@ export class Tour {
   }
 
   private follow(): void {
-    const { value: index } = this.index;
-    if (index !== null && tourSteps[index]?.isDone(this.editor) === true) untracked(() => this.goTo(index + 1));
+    const { value: place } = this.place;
+    if (place !== null && this.isDone(place)) untracked(() => this.goTo(place.index + 1));
+  }
+
+  private isDone({ index, before }: Place): boolean {
+    const step = tourSteps[index];
+    if (step === undefined || !step.isReached(this.editor)) return false;
+    const progress = step.progress(this.editor);
+    return progress === "" || progress !== before;
+  }
+}
+
+const placeKey = "meshgraft tour";
+
+/** Returns where the tour was in this tab before a reload; null: it was not shown. */
+function placeBeforeReload(): Place | null {
+  try {
+    const place = JSON.parse(sessionStorage.getItem(placeKey) ?? "null") as Partial<Place> | null;
+    const { index, before } = place ?? {};
+    return typeof index === "number" && tourSteps[index] !== undefined && typeof before === "string" ? { index, before } : null;
+  } catch {
+    return null;
+  }
+}
+
+function rememberPlace(place: Place | null): void {
+  try {
+    sessionStorage.setItem(placeKey, JSON.stringify(place));
+  } catch {
+    // A reload then ends the tour.
   }
 }

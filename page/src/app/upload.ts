@@ -6,6 +6,28 @@ import type { Told } from "./wording";
 /** The largest upload that the server accepts, in bytes (`ServerOptions::upload_limit`). */
 export const uploadLimit = 2 ** 30;
 
+const droppedFile = "dropped file ";
+
+/** Records the file behind an upload, so that it is known after a reload. */
+function rememberUpload(upload: string, { name, size }: File): void {
+  try {
+    sessionStorage.setItem(`meshgraft upload ${upload}`, `${name}, ${size} bytes`);
+  } catch {
+    // The file is then known by the engine's name.
+  }
+}
+/** Returns a key of the file behind an upload: the same for files with one name and size. */
+export function keyOfUpload(upload: string): string {
+  let file: string | null = null;
+  try {
+    file = sessionStorage.getItem(`meshgraft upload ${upload}`);
+  } catch {
+    // not stored
+  }
+  return droppedFile + (file ?? upload);
+}
+export const isKeyOfUpload = (key: string): boolean => key.startsWith(droppedFile);
+
 const formats = [".ply", ".obj", ".off", ".stl", ".glb", ".gltf", ".3mf"];
 
 /** Returns why a file cannot be uploaded, checked before any byte is sent; undefined if it can. */
@@ -49,7 +71,12 @@ export class Upload {
     const { request, file } = this;
     return new Promise((resolve, reject: (why: Told) => void) => {
       request.upload.onprogress = ({ loaded, total }) => (this.fraction.value = total > 0 ? loaded / total : 0);
-      request.onload = () => (request.status === 200 ? resolve(request.responseText.trim()) : reject(this.refused()));
+      request.onload = () => {
+        if (request.status !== 200) return reject(this.refused());
+        const name = request.responseText.trim();
+        rememberUpload(name, file);
+        resolve(name);
+      };
       request.onerror = () =>
         reject({
           problem: "The file could not be sent",

@@ -14,9 +14,9 @@ export class ViewSettings {
   readonly showRoles = signal(true); // shows region, fixed part and handles in their colours
   readonly before = signal(false); // shows the mesh as the step found it
   readonly theme = signal<"system" | "light" | "dark">("system");
-  /** The unit of models whose files name none, as the user chose it, by the folder of the file. */
+  /** The unit of models whose files name none, as the user chose it, by `folder`. */
   readonly unitsOfFolders = signal<Readonly<Record<string, Unit>>>({});
-  /** The folder of the shown model's file, or a word for models without one. */
+  /** The folder of the shown model's file. Without one: the name and size of a dropped file, or "samples". */
   readonly folder = signal("");
   private readonly fileUnit = signal<Unit>("none"); // that the model's file names
   private readonly otherUnit = signal<Unit | null>(null); // that the user chose in place of the file's
@@ -39,7 +39,7 @@ export class ViewSettings {
     if (unit !== this.fileUnit.value) this.otherUnit.value = null;
     this.fileUnit.value = unit;
   }
-  /** Takes the unit that the user chose for the shown model, and for others of its folder whose files name none. */
+  /** Takes the unit that the user chose for the shown model, and for others of its `folder` whose files name none. */
   chooseUnit(unit: Unit): void {
     if (this.fileUnit.value === "none") this.unitsOfFolders.value = { ...this.unitsOfFolders.value, [this.folder.value]: unit };
     else this.otherUnit.value = unit;

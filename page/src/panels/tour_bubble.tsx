@@ -1,5 +1,6 @@
 import { useEffect, useId, useRef, useState } from "preact/hooks";
 import type { Page } from "../app/page";
+import { pointerKind } from "../app/pointer_kind";
 import { tourSteps } from "../app/tour";
 import { Button, IconButton } from "./ui/button";
 
@@ -80,11 +81,12 @@ export function TourBubble({ page }: { page: Page }) {
           <h2 id={`${id}-title`}>{step.title}</h2>
           <IconButton label="Skip the tour" icon="close" keys="Esc" onClick={() => tour.skip()} />
         </header>
-        <p id={`${id}-words`}>{step.words}</p>
+        <p id={`${id}-words`}>{pointerKind.value === "touch" ? (step.touchWords ?? step.words) : step.words}</p>
         <footer>
           <span class="hint">{`${index + 1} of ${tourSteps.length}`}</span>
           <span class="space" />
-          <Button label={step.action} kind="primary" onClick={() => void tour.next()} />
+          {tour.canPass && <Button label="Next" tip="Goes on without this step." kind="quiet" onClick={() => tour.pass()} />}
+          <Button label={step.action} kind="primary" disabled={!tour.canRun} onClick={() => void tour.run()} />
         </footer>
       </div>
     </>

@@ -1,6 +1,7 @@
 import type { Page } from "../app/page";
 import { asksForUnit } from "../app/unit_question";
 import { formatSize, type Unit } from "../app/units";
+import { isKeyOfUpload } from "../app/upload";
 import { sidesOf } from "./status_bar";
 import { Button } from "./ui/button";
 
@@ -12,7 +13,7 @@ const offered: readonly { unit: Unit; label: string }[] = [
   { unit: "none", label: "No unit" },
 ];
 
-/** Asks once for the unit of the models in a folder whose files name none. */
+/** Asks once for the unit of a dropped file, or of the models in a folder, whose files name none. */
 export function UnitQuestion({ page }: { page: Page }) {
   const { view, state, box } = page.editor;
   if (state.value === null || box.value === null || !asksForUnit(view, state.value)) return null;
@@ -26,7 +27,10 @@ export function UnitQuestion({ page }: { page: Page }) {
           <Button key={unit} label={label} onClick={() => view.chooseUnit(unit)} />
         ))}
       </div>
-      <p class="hint">This counts for all such files of its folder. You can change it under View.</p>
+      <p class="hint">
+        {isKeyOfUpload(view.folder.value) ? "This is remembered for this file." : "This counts for all such files of its folder."} You
+        can change it under View.
+      </p>
     </section>
   );
 }

@@ -84,3 +84,34 @@ test("a dropped file keeps its name, and its defects are told until that is dism
   await user.screenshot("opening-upright");
   expect(user.complaints).toEqual([]);
 }, 120_000);
+
+test("the unit of a dropped file is asked for once for that file, and not for others", async () => {
+  const sample = ["bar", "--resolution", "8"];
+  harness = await EditorHarness.open({ files: { "one.stl": sample, "two.stl": sample } });
+  const { user, folder } = harness;
+  const { page } = user;
+  const question = page.getByRole("region", { name: "Unit of the model" });
+  const size = (words: string) => page.getByLabel("Status", { exact: true }).getByText(words, { exact: true }).waitFor();
+  const open = async (file: string) => {
+    await user.drop([folder.file(file)]);
+    await page.waitForFunction((name) => window.meshgraft.editor.state.value?.name === name && window.meshgraft.editor.isIdle(), file);
+    await user.rests();
+  };
+  await open("one.stl");
+  await question.getByText("This is remembered for this file.").waitFor();
+  await user.screenshot("opening-unit-of-dropped");
+  await question.getByRole("button", { name: "cm", exact: true }).click();
+  await size("1 × 1 × 4 cm");
+  await page.reload();
+  await user.ready();
+  await user.opened();
+  await size("1 × 1 × 4 cm");
+  expect(await question.count()).toBe(0);
+  await open("two.stl");
+  await size("1 × 1 × 4");
+  await question.getByRole("button", { name: "mm", exact: true }).click();
+  await open("one.stl");
+  await size("1 × 1 × 4 cm");
+  expect(await question.count()).toBe(0);
+  expect(user.complaints).toEqual([]);
+}, 120_000);

@@ -12,6 +12,12 @@ describe("the tour", () => {
       expect(action, title).not.toBe("");
     }
   });
+  test("speaks of fingers where fingers are used", () => {
+    for (const { title, words, touchWords = words } of tourSteps) {
+      expect(touchWords, title).toMatch(/^[A-Z].*\.$/);
+      expect(touchWords, title).not.toMatch(/click|drop|release|press|key|\\/i);
+    }
+  });
 });
 
 describe("a bubble", () => {
