@@ -38,7 +38,7 @@ export class BrushStroke {
     private readonly surface: Surface,
     start: ScreenPoint,
   ) {
-    this.path = new StrokePath(start, 0.5 * context.editor.tools.brushRadiusPx.value);
+    this.path = new StrokePath(start);
   }
 
   /** Returns the vertices that newly come under the brush on the way to the pointer. */
@@ -46,7 +46,7 @@ export class BrushStroke {
     const { tools } = this.context.editor;
     const radiusPx = brushRadiusAt(tools.brushRadiusPx.value, pointer);
     const fresh: number[] = [];
-    for (const { x, y } of this.path.to(pointer.screenPoint)) {
+    for (const { x, y } of this.path.to(pointer.screenPoint, 0.5 * radiusPx)) {
       const hit = this.context.viewport.pick(x, y);
       if (hit?.surface !== this.surface) continue;
       const radius = radiusPx * this.context.viewport.worldPerPixel(hit.point);

@@ -4,19 +4,20 @@ import type { ScreenPoint } from "./screen_camera";
 export class StrokePath {
   private last: ScreenPoint | undefined;
 
-  constructor(
-    private readonly start: ScreenPoint,
-    private readonly spacing: number,
-  ) {}
+  constructor(private readonly start: ScreenPoint) {}
 
-  /** Returns the points on the way to `screenPoint` since the last one, beginning with the start on the first call. */
-  to(screenPoint: ScreenPoint): ScreenPoint[] {
+  /**
+   * Returns the points on the way to `screenPoint` since the last one, at most `spacing` pixels apart, beginning with the
+   * start on the first call.
+   */
+  to(screenPoint: ScreenPoint, spacing: number): ScreenPoint[] {
     const screenPoints: ScreenPoint[] = this.last === undefined ? [this.start] : [];
     const from = this.last ?? this.start;
     const length = Math.hypot(screenPoint.x - from.x, screenPoint.y - from.y);
-    const steps = Math.floor(length / Math.max(1, this.spacing));
+    const step = Math.max(1, spacing);
+    const steps = Math.floor(length / step);
     for (let i = 1; i <= steps; ++i) {
-      const t = (i * this.spacing) / length;
+      const t = (i * step) / length;
       screenPoints.push({ x: from.x + t * (screenPoint.x - from.x), y: from.y + t * (screenPoint.y - from.y) });
     }
     this.last = screenPoints[screenPoints.length - 1] ?? this.last ?? this.start;

@@ -1,4 +1,5 @@
 import { afterEach, expect, test } from "vitest";
+import { cutOff } from "./cut_off";
 import { EditorHarness, type User } from "./harness";
 
 let harness: EditorHarness | undefined;
@@ -6,23 +7,6 @@ afterEach(async () => {
   await harness?.close();
   harness = undefined;
 });
-
-/** Returns the labels of the buttons and fields that reach out of the window or of the bar that holds them. */
-function cutOff(user: User, bars: string): Promise<string[]> {
-  return user.page.evaluate((bars) => {
-    const said = (one: Element) => one.getAttribute("aria-label") ?? one.textContent ?? "?";
-    return [...document.querySelectorAll(bars)].flatMap((bar) => {
-      const outer = bar.getBoundingClientRect();
-      return [...bar.querySelectorAll("button, input, .tool-hint")]
-        .filter((one) => one.getClientRects().length > 0)
-        .filter((one) => {
-          const { left, right } = one.getBoundingClientRect();
-          return left < outer.left - 1 || right > Math.min(outer.right, innerWidth) + 1;
-        })
-        .map(said);
-    });
-  }, bars);
-}
 
 const bars = ".header, .tool-line, .side, .status, .toolbar";
 

@@ -1,6 +1,7 @@
 // Drives the page by emulated fingers and an emulated pen.
 import type { CDPSession } from "playwright-core";
 import { afterEach, expect, test } from "vitest";
+import { cutOff } from "./cut_off";
 import { aimAt, farthest, openFresh, sampled, selectedIn } from "./grips";
 import { EditorHarness, type Point, type User } from "./harness";
 
@@ -64,6 +65,47 @@ test.each([false, true])("what fingers press is 44 pixels wide and high (dark: %
   expect(await smallTargets(user), "graft").toEqual([]);
   await user.rests();
   await user.screenshot(`touch-graft-${name}`);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test.each([
+  [800, 600, false],
+  [800, 600, true],
+  [1024, 768, false],
+  [1024, 768, true],
+])("no panel cuts anything off on a touched screen of %i × %i (dark: %s)", async (width, height, dark) => {
+  harness = await EditorHarness.open({ touch: true, dark, size: { width, height } });
+  const { user } = harness;
+  const { page } = user;
+  const shot = (name: string) => user.screenshot(`touch-${width}-${name}-${dark ? "dark" : "light"}`);
+  const bars = ".header, .tool-line, .side, .status, .toolbar, .messages";
+  const folded = page.locator(".section h2 button[aria-expanded=false], .more-button[aria-expanded=false]");
+  const check = async (name: string) => {
+    while ((await folded.count()) > 0) await folded.first().tap();
+    await user.rests();
+    expect.soft(await cutOff(user, bars), name).toEqual([]);
+  };
+  await harness.openSample("bust", 20);
+  await check("no handle");
+  await page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "select", how: "set", what: { grow_length: { of: { nearest: [0, -0.5, 0] }, length: 0.3 } } });
+    await editor.ask({ do: "group", name: "throat" });
+    await editor.ask({ do: "handle", what: "add", name: "held", select: "throat", reach: 0.4 });
+    await editor.pose({ held: { rotate: { axis: [1, 1, 0], angle_deg: 725 }, scale: [1, 1.25, 1] } });
+    await editor.printing.check();
+    editor.tools.activeHandle.value = "held";
+    editor.tools.snap.value = true;
+  });
+  await check("a handle");
+  await page.getByRole("group", { name: "Rotate" }).scrollIntoViewIfNeeded();
+  await shot("rotate");
+  await page.getByRole("tab", { name: "Graft" }).tap();
+  await check("no part");
+  await page.getByRole("button", { name: "Add head" }).tap();
+  await page.waitForFunction(() => window.meshgraft.editor.isIdle() && window.meshgraft.editor.graft.report.value !== null);
+  await check("graft");
+  await shot("graft");
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
