@@ -54,7 +54,7 @@ def deform_step(mesh: str, vertices: int | None, *, region: Any = None, fixed: A
         step["features"] = [feature_spec(entry, f"features[{i}]", vertices)
                             for i, entry in enumerate(features if isinstance(features, list) else [features])]
     if symmetry is not None:
-        step["symmetry"] = _symmetry(symmetry)
+        step["symmetry"] = symmetry_spec(symmetry)
     settings = _texts.without_none(**(settings or {}))
     if settings:
         known = {*DeformKeywords.__annotations__, "proxy", "refine_boundary", "weld"}
@@ -79,7 +79,7 @@ def _number(value: Any, name: str) -> float:
     return float(value)
 
 
-def _symmetry(value: Any) -> dict[str, Any]:
+def symmetry_spec(value: Any) -> dict[str, Any]:
     """Reads a plane, or a pair (plane, tolerance)."""
     if isinstance(value, tuple) and len(value) == 2 and np.ndim(value[1]) == 0 and value[1] not in _arrays.AXES:
         return {**_arrays.plane(value[0], "symmetry[0]"), "tolerance_rel": _number(value[1], "symmetry[1]")}

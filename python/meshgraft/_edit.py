@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from meshgraft import _arrays, _core, _texts
 from meshgraft._adapters import adapt
 from meshgraft._calls import Progress, calling
-from meshgraft._deform import deform_step
+from meshgraft._deform import deform_step, symmetry_spec
 from meshgraft._docs_of import documented
 from meshgraft._facts import Error
 from meshgraft._merge import MergeKeywords, merge_step
@@ -168,12 +168,14 @@ class Edit:
         return self._add({"kind": "repair", "mesh": mesh, **_texts.without_none(**options)}, result, name, about)
 
     def sculpt(self, mesh: str, action: SculptAction, region: Any, *, strength: float | None = None,
-               height: float | None = None, result: str | None = None, name: str | None = None,
+               height: float | None = None, symmetry: Any = None, result: str | None = None, name: str | None = None,
                about: str | None = None) -> Self:
         """Adds a step that smooths, inflates or flattens a region. `strength`, from 0 to 1, is for "smooth" and "flatten",
-        `height`, of the middle in model units, for "inflate"."""
+        `height`, of the middle in model units, for "inflate". With `symmetry`, as of `deform`, the mirror image of the
+        region is shaped, too."""
         step = {"kind": "sculpt", "mesh": mesh, "action": action, "region": _texts.spec_of(region, "region", None),
-                **_texts.without_none(strength=strength, height=height)}
+                **_texts.without_none(strength=strength, height=height,
+                                      symmetry=None if symmetry is None else symmetry_spec(symmetry))}
         return self._add(step, result, name, about)
 
     def transform(self, mesh: str, pose: Any, *, result: str | None = None, name: str | None = None,

@@ -1,4 +1,5 @@
 #include <meshgraft/core/error.h>
+#include <algorithm>
 
 #include <exception>
 #include <filesystem>
@@ -32,9 +33,24 @@ struct Error::Data {
 
 namespace {
 
+// Returns whether the text of a fact begins with a name that the user gave, such as a file's.
+bool begins_with_name(const FactType& type) {
+  if (!type.text.starts_with('{')) return false;
+  const std::string_view field = type.text.substr(1, type.text.find_first_of(":}") - 1);
+  return std::ranges::any_of(
+      type.fields, [&](const FieldType& one) { return one.name == field && one.kind == FieldKind::text; });
+}
+
+// Adds a note after a full stop, and so with a capital letter.
+std::string with_note(std::string_view sentence, const Note& note, std::string text) {
+  if (!begins_with_name(note.type()) && !text.empty() && text.front() >= 'a' && text.front() <= 'z')
+    text.front() = static_cast<char>(text.front() - 'a' + 'A');
+  return error_sentence({}, sentence, text);
+}
+
 std::string sentence_of(const Fact& fact, const Location& location, const std::vector<Note>& notes) {
   std::string sentence = error_sentence(location.text(), fact.text(), fact.remedy());
-  for (const Note& note : notes) sentence = error_sentence({}, sentence, note.text());
+  for (const Note& note : notes) sentence = with_note(sentence, note, note.text());
   return sentence;
 }
 
@@ -86,7 +102,7 @@ std::string error_sentence(std::string_view location, std::string_view problem, 
 std::string sentence(const Error& error, const Wording& wording) {
   const FactText text = wording(error.fact());
   std::string whole = error_sentence(error.location().text(), text.statement, text.remedy);
-  for (const Note& note : error.notes()) whole = error_sentence({}, whole, sentence(note, wording));
+  for (const Note& note : error.notes()) whole = with_note(whole, note, sentence(note, wording));
   return whole;
 }
 

@@ -1,11 +1,9 @@
 // Requests that concern whole steps, and fields that apply to a whole step.
 #include <algorithm>
-#include <iterator>
 #include <utility>
 #include <vector>
 
 #include <meshgraft/core/error.h>
-#include <meshgraft/mesh/topology.h>
 
 #include "editor/facts.h"
 #include "graft_actions.h"
@@ -31,33 +29,6 @@ Json object_in(const json::Object& fields, std::string_view name) {
     object = value.raw();
   });
   return object;
-}
-
-Json indices(const std::vector<Index>& vertices) { return {{"indices", vertices}}; }
-
-// The regions that a sculpt step and its mirror image shape.
-struct SculptedRegions {
-  Json own;
-  Json image = nullptr;  ///< a region apart from `own`; null where there is none
-  std::vector<Note> notes;
-};
-
-// Mirrors a region of `base`. An image that touches the region becomes a part of it.
-SculptedRegions mirrored_regions(const std::vector<Index>& region, const SymmetrySpec& symmetry,
-                                 const Object& base) {
-  const MirrorMatch match(symmetry, *base.selections, "symmetry");
-  const std::vector<Index> both = match.with_images(region);
-  std::vector<Index> image, touched;
-  std::set_difference(both.begin(), both.end(), region.begin(), region.end(), std::back_inserter(image));
-  const std::vector<Index> around = grow_rings(region, 1, base.selections->rings);
-  std::set_intersection(image.begin(), image.end(), around.begin(), around.end(), std::back_inserter(touched));
-  SculptedRegions regions;
-  if (const std::vector<Index> lost = match.without_partner(region); !lost.empty())
-    regions.notes.push_back(match.note_about(lost, region.size()));
-  const bool is_apart = touched.empty() && !image.empty();
-  regions.own = indices(is_apart ? region : both);
-  if (is_apart) regions.image = indices(image);
-  return regions;
 }
 
 // Returns whether a step of the document moved no vertex.
@@ -109,31 +80,26 @@ Json Worker::step(const json::Value& message, const Context& context) {
   return change("rename_step", document, context);
 }
 
-// With symmetry, the image of the region is shaped, too: within the same step, or by one of its own where the
-// two are apart.
+// With symmetry, the step shapes the mirror image of the region, too.
 Json Worker::sculpt(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do", "action", "select", "strength", "height"});
   const EditFile& edit = open_one().document().edit;
   require_no_graft(edit, "sculpt");
   const std::shared_ptr<const Object> base = open_one().stage().model;
-  SculptedRegions regions{.own = selection_or(fields, base->name)};
-  if (const DeformStep* deform = deform_in_work(edit); deform != nullptr && deform->symmetry)
-    regions = mirrored_regions(sculpted_vertices(fields, *base), *deform->symmetry, *base);
-  Json step = {{"kind", "sculpt"}, {"mesh", base->name}, {"region", regions.own}};
+  Json document = open_one().document().json;
+  Json step = {{"kind", "sculpt"}, {"mesh", base->name}, {"region", selection_or(fields, base->name)}};
   for (const char* field : {"action", "strength", "height"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
-  Json document = open_one().document().json;
-  const std::size_t index = add_mesh_step(document, edit, std::move(step));
-  if (!regions.image.is_null()) {
-    Json image = document["steps"][index];
-    image["region"] = regions.image;
-    document["steps"].insert(document["steps"].begin() + static_cast<std::ptrdiff_t>(index) + 1,
-                             std::move(image));
+  std::vector<Note> notes;
+  if (const DeformStep* deform = deform_in_work(edit); deform != nullptr && deform->symmetry) {
+    step["symmetry"] = document["steps"].back()["symmetry"];
+    notes = mirrored_region(sculpted_vertices(fields, *base), *deform->symmetry, *base->selections, "symmetry")
+                .notes;
   }
+  const std::size_t index = add_mesh_step(document, edit, std::move(step));
   Json result = change("sculpt", document, context);
-  if (moved_nothing(open_one().stage(), index, base->diagonal))
-    regions.notes.push_back(facts::editor::NothingMoved{});
-  result["notes"] = to_json(regions.notes);
+  if (moved_nothing(open_one().stage(), index, base->diagonal)) notes.push_back(facts::editor::NothingMoved{});
+  result["notes"] = to_json(notes);
   return result;
 }
 

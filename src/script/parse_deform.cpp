@@ -204,14 +204,14 @@ FeatureSpec parse_feature(const Value& value) {
   return feature;
 }
 
-namespace {
-
 SymmetrySpec parse_symmetry(const Value& value) {
   const Object fields(value, {"point", "normal", "tolerance_rel"});
   SymmetrySpec symmetry{{fields.required("point").vector3(), fields.required("normal").direction()}};
   fields.optional("tolerance_rel", [&](const Value& v) { symmetry.tolerance_rel = v.positive_number(); });
   return symmetry;
 }
+
+namespace {
 
 DeformSettings parse_settings(const Value& value) {
   std::vector<std::string_view> known(deformer_fields.begin(), deformer_fields.end());

@@ -76,6 +76,7 @@ std::optional<Preset> parse_preset(const json::Object& fields);
 /// Reads the options of a solve. Those that are not given are those of `options`.
 DeformerOptions parse_deformer(const json::Object& fields, DeformerOptions options);
 FeatureSpec parse_feature(const json::Value& value);
+SymmetrySpec parse_symmetry(const json::Value& value);
 
 /// Former name of the backend `multifrontal`. Edit files with it are still read, with a note.
 inline constexpr std::string_view former_multifrontal = "cholmod";

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include "run_steps.h"
 #include "script/facts.h"
 #include "selection_resolver.h"
+#include "symmetry.h"
 
 namespace meshgraft {
 
@@ -49,8 +52,13 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   context.step("select");
   const SelectionMesh selections(mesh, weld);
   SelectionResolver resolver(edit, selections, state.produced);
-  const std::vector<Index> region = resolver.vertices(step.region, location / "region");
-  if (region.empty()) throw Error(facts::script::SelectionEmpty{}, location / "region");
+  MirroredRegion regions{resolver.vertices(step.region, location / "region")};
+  if (regions.own.empty()) throw Error(facts::script::SelectionEmpty{}, location / "region");
+  if (step.symmetry) regions = mirrored_region(regions.own, *step.symmetry, selections, location / "symmetry");
+  report.notes = regions.notes;
+  std::vector<Index> region;
+  std::set_union(regions.own.begin(), regions.own.end(), regions.image.begin(), regions.image.end(),
+                 std::back_inserter(region));
   constexpr int read_rings = 2;  // around the region
   const std::vector<Index> read = grow_rings(region, read_rings, selections.rings);
   require_sound(state.diagnostics, mesh, {.vertices = read, .name = state.label});
@@ -58,7 +66,8 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   const Triangles triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   Points moved;
   try {
-    moved = sculpted(step, {mesh.positions, triangles, region}, context);
+    moved = sculpted(step, {mesh.positions, triangles, regions.own}, context);
+    if (!regions.image.empty()) moved = sculpted(step, {moved, triangles, regions.image}, context);
     for (const Index v : region)
       if (!moved.row(v).allFinite()) throw Error(facts::deform::SolutionNotFinite{.vertex = v});
   } catch (const Error& error) {

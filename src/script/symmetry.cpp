@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
 
 #include "core/parallel.h"
 #include "merge/pose_source.h"
@@ -204,6 +205,22 @@ bool is_symmetric_map(const HandlePose& pose, const Eigen::Vector3d& at, const E
 }
 
 }  // namespace
+
+MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetrySpec& symmetry,
+                               const SelectionMesh& context, const Location& location) {
+  const MirrorMatch match(symmetry, context, location);
+  const std::vector<Index> both = match.with_images(region);
+  std::vector<Index> image, touched;
+  std::set_difference(both.begin(), both.end(), region.begin(), region.end(), std::back_inserter(image));
+  const std::vector<Index> around = grow_rings(region, 1, context.rings);
+  std::set_intersection(image.begin(), image.end(), around.begin(), around.end(), std::back_inserter(touched));
+  MirroredRegion mirrored;
+  if (const std::vector<Index> lost = match.without_partner(region); !lost.empty())
+    mirrored.notes.push_back(match.note_about(lost, region.size()));
+  mirrored.own = touched.empty() ? region : both;
+  if (touched.empty()) mirrored.image = std::move(image);
+  return mirrored;
+}
 
 bool is_symmetric(const HandlePose& pose, const Handle& handle, const Points& rest,
                   const Eigen::Affine3d& reflection) {

@@ -72,6 +72,18 @@ class MirrorMatch {
   std::vector<double> distance_;  ///< from the mirror image to the nearest vertex; negative: belongs to no face
 };
 
+/// A region and its mirror image.
+struct MirroredRegion {
+  std::vector<Index> own;
+  std::vector<Index> image;  ///< apart from `own`; empty: an image that touches the region is a part of `own`
+  std::vector<Note> notes;   ///< about vertices without a mirror image
+};
+
+/// Mirrors a region (ascending). `location` is that of the field `symmetry`. Throws Error(input) for an invalid
+/// plane.
+MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetrySpec& symmetry,
+                               const SelectionMesh& context, const Location& location);
+
 /// Returns whether the pose of a handle that is its own mirror image is symmetric, too, to rounding.
 bool is_symmetric(const HandlePose& pose, const Handle& handle, const Points& rest,
                   const Eigen::Affine3d& reflection);

@@ -67,7 +67,7 @@ TEST(Error, EndsWithItsNotes) {
                           .with(facts::core::NotFinite{.what = facts::core::Quantity::point});
   EXPECT_EQ(error.notes().size(), 1u);
   EXPECT_STREQ(error.within(Location::file("edit.json")).what(),
-               "edit.json: arm.ply: the mesh has no faces. Export it with its faces. the point is not finite");
+               "edit.json: arm.ply: the mesh has no faces. Export it with its faces. The point is not finite");
 }
 
 TEST(Error, IsCopiedWithoutThrowing) { EXPECT_TRUE(std::is_nothrow_copy_constructible_v<Error>); }

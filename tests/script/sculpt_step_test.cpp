@@ -67,6 +67,32 @@ TEST_F(SculptStepTest, MovesTheVerticesAtOnePlaceAsOne) {
       EXPECT_LT((soup.positions.row(soup.faces[f][c]) - whole.positions.row(given.faces[f][c])).norm(), 1e-9);
 }
 
+// The two sides are shaped by themselves: each is flattened to a plane of its own.
+TEST_F(SculptStepTest, ShapesTheMirrorImageToo) {
+  const test::TestMesh ball = test::icosphere(3);
+  put(make_mesh(ball.positions, ball.triangles));
+  const std::string symmetry = R"(, "symmetry": {"point": [0, 0, 0], "normal": [0, 0, 1]})";
+  for (const char* action :
+       {R"("action": "flatten", "strength": 0.8)", R"("action": "inflate", "height": 0.3)"}) {
+    const std::string fields = action + std::string(R"(, "region": "cap")");
+    const EditResult one = run_edit(edit(fields)), both = run_edit(edit(fields + symmetry));
+    EXPECT_EQ(both.report.steps[0].sculpt->region, 2 * one.report.steps[0].sculpt->region);
+    for (Index v = 0; v < ball.positions.rows(); ++v) {
+      const Eigen::RowVector3d at = ball.positions.row(v);
+      if (at.z() > -0.2) EXPECT_LT((both.mesh.positions.row(v) - one.mesh.positions.row(v)).norm(), 1e-12);
+      Index image = 0;
+      (ball.positions.rowwise() - Eigen::RowVector3d(at.x(), at.y(), -at.z()))
+          .rowwise()
+          .norm()
+          .minCoeff(&image);
+      const Eigen::RowVector3d mirrored = both.mesh.positions.row(image);
+      EXPECT_LT(
+          (both.mesh.positions.row(v) - Eigen::RowVector3d(mirrored.x(), mirrored.y(), -mirrored.z())).norm(),
+          1e-6);
+    }
+  }
+}
+
 TEST_F(SculptStepTest, IsReported) {
   const EditResult result = run_edit(edit(R"("action": "inflate", "region": "cap", "height": 0.3)"));
   EXPECT_TRUE(result.report.deformed);

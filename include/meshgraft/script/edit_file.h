@@ -283,9 +283,10 @@ struct SculptStep {
   std::string mesh;
   std::string result;  ///< name of the resulting mesh; empty = the same name
   SculptAction action = SculptAction::smooth;
-  EditSelection region;   ///< vertices that may move; those at an open boundary stay
-  double strength = 0.5;  ///< for `smooth` and `flatten`, 0 to 1
-  double height = 0;      ///< for `inflate`: of the middle, model units; negative: inward
+  EditSelection region;                  ///< vertices that may move; those at an open boundary stay
+  double strength = 0.5;                 ///< for `smooth` and `flatten`, 0 to 1
+  double height = 0;                     ///< for `inflate`: of the middle, model units; negative: inward
+  std::optional<SymmetrySpec> symmetry;  ///< the mirror image of the region is shaped, too
 };
 
 /// One step of an edit. New kinds of steps are added to the variant.

@@ -3,7 +3,13 @@ import { NumberField, Slider } from "./ui/fields";
 
 /** How strongly a step smooths or flattens, or how high it inflates. */
 export function SculptDetails({ page, step: { fields }, index }: DetailsProps) {
-  const { action, strength = 0.5, height = 0 } = fields as { action?: string; strength?: number; height?: number };
+  const { action, strength = 0.5, height = 0, symmetry } = fields as {
+    action?: string;
+    strength?: number;
+    height?: number;
+    symmetry?: object;
+  };
+  const onBothSides = symmetry !== undefined && <p class="hint">Its mirror image is shaped, too.</p>;
   const unit = page.editor.view.unit.value;
   const change = (changes: { strength?: number; height?: number }) =>
     void page.editor.ask({ do: "step", what: "change", index, fields: changes });
@@ -24,6 +30,7 @@ export function SculptDetails({ page, step: { fields }, index }: DetailsProps) {
             onChange={(to) => change({ height: to })}
           />
         </label>
+        {onBothSides}
       </div>
     );
   return (
@@ -38,6 +45,7 @@ export function SculptDetails({ page, step: { fields }, index }: DetailsProps) {
         help={action === "flatten" ? "1 makes the middle flat." : "1 leaves hardly anything of the old shape; the surface around decides."}
         onChange={(to) => change({ strength: to })}
       />
+      {onBothSides}
     </div>
   );
 }

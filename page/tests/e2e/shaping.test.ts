@@ -71,6 +71,8 @@ test("what is shaped on one side is shaped on the other with symmetry, and what 
   const after = await harness.savedPositions();
   expect(widthOf(after, 1)).toBeGreaterThan(widthOf(before, 1) + 0.05);
   expect(widthOf(after, -1)).toBeCloseTo(widthOf(after, 1), 5);
+  const kinds = () => page.evaluate(() => window.meshgraft.editor.state.value?.steps.map(({ kind }) => kind));
+  expect(await kinds()).toEqual(["sculpt", "sculpt", "deform"]); // one for each click
   await user.press("Control+z");
   await user.settle();
   expect(widthOf(await harness.savedPositions(), -1)).toBeCloseTo(widthOf(before, -1), 6);

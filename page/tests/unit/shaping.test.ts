@@ -6,4 +6,7 @@ test("a selection is inflated by a part of its size", () => {
   expect(inflatedHeight(surface, 1)).toBeCloseTo(1.25);
   expect(inflatedHeight(surface, 0.4)).toBeCloseTo(0.5);
   expect(inflatedHeight({ ...surface, selection: new Uint8Array(3) }, 1)).toBe(0);
+  const ofOneVertex = inflatedHeight({ ...surface, selection: Uint8Array.of(0, 255, 0) }, 1);
+  expect(ofOneVertex).toBeGreaterThan(0);
+  expect(ofOneVertex).toBeLessThan(0.1);
 });
