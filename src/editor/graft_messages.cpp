@@ -7,6 +7,7 @@
 #include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "script/report_json.h"
+#include "script/vector_json.h"
 
 namespace meshgraft::editor {
 
@@ -76,6 +77,16 @@ Eigen::Affine3d whole_map(const MergeOutcome& merge) {
 
 double scale_of(const Eigen::Affine3d& map) { return std::cbrt(std::abs(map.linear().determinant())); }
 
+// Describes the plane of a base in the source's original coordinates.
+Json base_summary(const BaseReport& base, const Eigen::Affine3d& posing) {
+  const Eigen::Vector3d point = posing.inverse() * base.point;
+  const Eigen::Vector3d normal = (posing.linear().transpose() * base.normal).normalized();
+  return {{"height", base.height / scale_of(posing)},
+          {"loops", base.loops},
+          {"point", vector_json<Json>(point)},
+          {"normal", vector_json<Json>(normal)}};
+}
+
 }  // namespace
 
 Json found_json(const MergeOutcome& merge) {
@@ -136,8 +147,7 @@ Json graft_fields(const ShownGraft& graft) {
                  {"inverted", report.shape.inverted},
                  {"self_intersections", merge.intersections.result},
                  {"notes", to_json(graft.report.notes)}};
-  if (merge.base)
-    fields["base"] = {{"height", merge.base->height / scale_of(merge.posing)}, {"loops", merge.base->loops}};
+  if (merge.base) fields["base"] = base_summary(*merge.base, merge.posing);
   return fields;
 }
 

@@ -7,6 +7,7 @@ import type { Hit } from "../view/picking/picking";
 import type { Viewport } from "../view/viewport";
 import { screenCameraOf, type ScreenPoint } from "./screen_camera";
 import type { GraftView } from "../view/graft/graft_view";
+import { BaseGrip } from "./graft/base_grip";
 import { CutCurveTool } from "./graft/cut_curve_tool";
 import { DropTool } from "./graft/drop_tool";
 import { FixedTool } from "./graft/fixed_tool";
@@ -42,6 +43,7 @@ export class ToolBox implements ToolActions {
   private readonly context: ToolContext;
   private readonly gizmo: Gizmo;
   private readonly reach: ReachKnob;
+  private readonly base: BaseGrip;
   private readonly tools: Record<ToolName, Tool>;
   private readonly graftTools: Record<GraftTool, Tool>;
   readonly graft: GraftPanelActions;
@@ -78,7 +80,8 @@ export class ToolBox implements ToolActions {
       drop,
     };
     this.reach = new ReachKnob(this.context, new Preview(viewport, graphs, 0x6fb4dc, 0.45), () => this.gizmo.isActive, this.gizmo);
-    this.gizmo.otherGrips = () => this.reach.grips;
+    this.base = new BaseGrip(this.context, graftView);
+    this.gizmo.otherGrips = () => [...this.reach.grips, ...this.base.grips];
     new HandleGhost(viewport, this.control, new Preview(viewport, graphs, 0xffa02e, 0.3), () => this.gizmo.isActive);
     new SymmetryPlane(viewport, this.control);
     this.tools = this.makeTools();
@@ -235,7 +238,7 @@ export class ToolBox implements ToolActions {
 
   /** Says what is under the cursor. */
   private wordsUnder(screenPoint: ScreenPoint): string {
-    const grip = this.gizmo.wordsAt(screenPoint);
+    const grip = this.gizmo.wordsAt(screenPoint) ?? this.base.wordsAt(screenPoint);
     if (grip !== undefined) return grip;
     const hit = this.hitUnder(screenPoint);
     if (hit === undefined) return "Beside the model.";
@@ -335,6 +338,7 @@ export class ToolBox implements ToolActions {
       };
     }
     if (this.reach.hover(pointer.screenPoint, toleranceFactor)) return this.reach.press(pointer);
+    if (this.base.hover(pointer.screenPoint, toleranceFactor)) return this.base.press(pointer);
     return this.tool.press(pointer, this.hitUnder(pointer.screenPoint));
   }
 
@@ -360,7 +364,7 @@ export class ToolBox implements ToolActions {
   private hover(): void {
     const { screenPoint } = this.pointer;
     const { canvas } = this.viewport;
-    if (this.gizmo.hover(screenPoint) || this.reach.hover(screenPoint)) {
+    if (this.gizmo.hover(screenPoint) || this.reach.hover(screenPoint) || this.base.hover(screenPoint)) {
       this.tool.leave();
       canvas.style.cursor = "pointer";
       return;

@@ -201,7 +201,37 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   await user.page.getByRole("slider", { name: "Base" }).or(user.page.getByLabel("Base")).first().waitFor();
   expect(await graftOf(user)).toMatchObject({ at: { base: { tilt_deg: 5 } } });
   await user.page.getByRole("slider", { name: "Base tilt" }).waitFor();
+  await user.rests();
   await user.screenshot("drop-closed-done");
+
+  // The grips of the plane: up for a larger height, and a tilt; one change each.
+  const knobAt = async (grip: string): Promise<Point> => {
+    const box = await user.page.locator(`.base-knob.${grip} .disc`).boundingBox();
+    if (box === null) throw new Error(`no grip for the ${grip}`);
+    return [box.x + box.width / 2, box.y + box.height / 2];
+  };
+  const base = () => user.page.evaluate(() => window.meshgraft.editor.graft.kept.value?.at?.base);
+  const heightBefore = report?.base?.height ?? 0;
+  // The stem of the first grip lies along the normal.
+  const along = await user.page.locator(".base-stem").evaluate((stem) => {
+    const [from, to] = [0, 1].map((t) => (stem as SVGPathElement).getPointAtLength(t * (stem as SVGPathElement).getTotalLength()));
+    const length = Math.hypot(to!.x - from!.x, to!.y - from!.y);
+    return [(to!.x - from!.x) / length, (to!.y - from!.y) / length] as const;
+  });
+  const dragged = ([x, y]: Point, px: number): Point => [x + px * along[0], y + px * along[1]];
+  const height = await knobAt("height");
+  await user.stroke([height, dragged(height, 8)]);
+  await grafted(user);
+  expect((await base())?.height).toBeGreaterThan(heightBefore);
+  const tilt = await knobAt("tilt");
+  await user.stroke([tilt, dragged(tilt, 16)]);
+  await grafted(user);
+  expect((await base())?.tilt_deg).toBeGreaterThan(5);
+  await user.rests();
+  await user.screenshot("drop-closed-grips");
+  await user.press("Control+z");
+  await grafted(user);
+  expect((await base())?.tilt_deg).toBe(5);
   await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
   await user.settle();
   expect(await saved(harness)).toMatchObject(watertight);
