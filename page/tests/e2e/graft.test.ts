@@ -15,26 +15,6 @@ import type { Point } from "./harness";
 
 afterEach(close);
 
-test("grafts a head from a fresh page within five actions", async () => {
-  const { harness, user } = await open();
-  await user.click(/^bust/);
-  await user.page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
-  ++user.actions;
-  await user.page.getByRole("tab", { name: "Graft" }).click();
-  await user.click("Add head");
-  const report = await grafted(user);
-  expect(report?.error).toBeUndefined();
-  expect(report?.seam).toMatchObject({ manifold: true, oriented: true, closed: true });
-  await user.rests();
-  await user.screenshot("graft-head-result");
-  await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
-  ++user.actions;
-  await user.settle();
-  expect(user.actions).toBeLessThanOrEqual(5);
-  expect(await saved(harness)).toMatchObject({ ...watertight, euler_characteristic: 2 });
-  expect(user.complaints).toEqual([]);
-});
-
 test("offers other rotations as pictures, which turn the part and are undone", async () => {
   const { user } = await openWithPart("bust", "head", 40, true);
   const turnOf = async (report: Awaited<ReturnType<typeof grafted>>) => report?.transform?.[0]?.[0] ?? NaN;
