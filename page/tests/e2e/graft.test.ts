@@ -4,12 +4,10 @@ import {
   grafted,
   graftOf,
   hoverOverLoop,
-  open,
   openWithPart,
   saved,
   screenPointOf,
   screenPointOnLoop,
-  watertight,
 } from "./grafting";
 import type { Point } from "./harness";
 
