@@ -1,6 +1,6 @@
 #include <meshgraft/core/error.h>
-#include <algorithm>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <new>

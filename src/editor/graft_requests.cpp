@@ -161,7 +161,8 @@ Json Worker::graft(const json::Value& message, const Context& context) {
   });
   const EditFile& edit = open_one().document().edit;
   const Json given = graft_fields_of(fields);
-  if (what != What::set && !given.empty()) message.fail(facts::editor::FieldsWithoutUse{});
+  if (what != What::set && (!given.empty() || fields.has("with_part")))
+    message.fail(facts::editor::FieldsWithoutUse{});
   const bool starts = merge_in_work(edit) == nullptr;
   bool with_part = false;
   fields.optional("with_part", [&](const json::Value& v) { with_part = v.boolean(); });

@@ -365,6 +365,34 @@ TEST_F(GraftEditor, CancelsAndSwaps) {
   EXPECT_EQ(state()["parts"][0]["name"], "bust");
 }
 
+TEST_F(GraftEditor, AddsAndCancelsADroppedPartByOneChange) {
+  page_.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 20}});
+  const Json drop = {{"do", "graft"}, {"source", "head"}, {"at", {{"point", {0.5, 0, 2}}}}};
+  Json dropped = drop;
+  dropped["with_part"] = true;
+  const auto has_part = [&] { return !state()["parts"].empty(); };
+  add_head();
+  page_.ask(dropped);
+  EXPECT_EQ(state()["undo"], "drop_part");
+  page_.ask({{"do", "undo"}});
+  EXPECT_FALSE(has_part());
+  EXPECT_TRUE(state()["undo"].is_null());
+  page_.ask({{"do", "redo"}});
+  EXPECT_FALSE(state()["graft"].is_null());
+  EXPECT_EQ(page_.refusal({{"do", "graft"}, {"what", "cancel"}, {"with_part", true}})["code"], "input");
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  EXPECT_FALSE(has_part());
+  page_.ask({{"do", "undo"}});
+  EXPECT_FALSE(state()["graft"].is_null()) << "one change, which undo takes back";
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  EXPECT_FALSE(has_part());
+
+  add_head();
+  page_.ask(drop);
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  EXPECT_TRUE(has_part()) << "a part that was there before stays";
+}
+
 TEST_F(GraftEditor, OpensAGraftThatWasSaved) {
   open_bust_and_head();
   const Frame frame = shown(graft({{"source", "head"}, {"normal_angle_deg", 5}}));

@@ -19,7 +19,6 @@ export function cutOff(user: User, bars: string): Promise<string[]> {
             if (outer !== bar && !hides(outer)) continue;
             const box = outer.getBoundingClientRect();
             if (left < box.left - 1 || right > Math.min(box.right, innerWidth) + 1) return true;
-            if (outer === bar) break;
           }
           const { top, bottom } = one.getBoundingClientRect();
           for (let outer: Element | null = one.parentElement; outer !== null; outer = outer.parentElement) {
