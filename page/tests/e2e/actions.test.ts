@@ -110,7 +110,7 @@ function writeClosedHead({ folder }: EditorHarness): void {
 }
 
 test("a closed horn is grafted on a closed head in five actions", async () => {
-  const opened = await open();
+  const opened = await open({ dark: true });
   const { harness, user } = opened;
   const { page } = user;
   writeClosedHead(harness);

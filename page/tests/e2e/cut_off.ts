@@ -13,7 +13,7 @@ export function cutOff(user: User, bars: string): Promise<string[]> {
       [...bar.querySelectorAll(pressed)]
         .filter((one) => one.getClientRects().length > 0)
         .filter((one) => {
-          if (one.matches(".segments label") && one.scrollWidth > one.clientWidth + 1) return true;
+          if (one.matches(".segments label, .row > label") && one.scrollWidth > one.clientWidth + 1) return true;
           const { left, right } = one.getBoundingClientRect();
           for (let outer: Element | null = one.parentElement; outer !== null; outer = outer.parentElement) {
             if (outer !== bar && !hides(outer)) continue;
