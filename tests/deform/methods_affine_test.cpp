@@ -34,7 +34,9 @@ TEST(Methods, AffineMapsAreReproduced) {
         const Points result = deformer.evaluate(std::vector{pose_of(map), pose_of(map)}, {}, &report);
         const Points expected = image(mesh.positions, map);
         const double rounding = std::max(eight_ulp(expected), eight_ulp(mesh.positions)) / mesh.box_diagonal();
-        const double bound = mesh.name == "needle sheet" ? 5e-10 : 1e-10;  // their maps are ill conditioned
+        // The equations of their maps are ill conditioned, and each solver rounds in its own way.
+        const bool is_ill_conditioned = mesh.name == "needle sheet" || mesh.name == "fan pole";
+        const double bound = is_ill_conditioned ? 1e-9 : 1e-10;
         EXPECT_LT(relative_distance(mesh, result, expected), std::max(bound, rounding));
         EXPECT_EQ(report.fell_back_to_linear, linear.determinant() < 0);
       }
