@@ -359,6 +359,19 @@ void note_mirrored_curves(const ResolvedProblem& problem, std::vector<Note>& not
   }
 }
 
+// Returns notes on overrides that the method does not use.
+std::vector<Note> unused_overrides(const Method& method, const SettingsOverrides& overrides) {
+  std::vector<Note> notes;
+  const auto note = [&](std::string setting) {
+    notes.push_back(facts::script::SettingWithoutUse{.method = std::string(to_string(method)),
+                                                     .setting = std::move(setting)});
+  };
+  const auto* own = std::get_if<DeformMethod>(&method);
+  if (overrides.stiffness && (!own || *own == DeformMethod::ft05)) note("stiffness");
+  if (overrides.iterations && (!own || *own != DeformMethod::corotational)) note("iterations");
+  return notes;
+}
+
 }  // namespace
 
 StepReport run_deform(const EditFile& edit, const DeformStep& step, const Location& location, MeshState& state,
@@ -380,6 +393,7 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   report.symmetry = problem.deform.symmetry;
   for (const Handle& handle : problem.deform.region.handles) report.handles.push_back(handle.name);
   report.notes = problem.deform.notes;
+  for (const Note& note : unused_overrides(report.method, options.overrides)) report.notes.push_back(note);
   if (report.symmetry) {
     const ResolvedDeform& deform = problem.deform;
     const auto notes = pose_notes(*report.symmetry, deform.region.handles, deform.poses, problem.rest);

@@ -534,6 +534,22 @@ TEST_F(RunEdit, OverridesReplaceTheSettingsOfEveryStep) {
   }
 }
 
+TEST_F(RunEdit, OverridesThatTheMethodDoesNotUseAreNoted) {
+  const auto noted = [&](DeformMethod method) {
+    RunOptions options;
+    options.overrides.method = method;
+    options.overrides.stiffness = 3;
+    options.overrides.iterations = 5;
+    std::vector<std::string> settings;
+    for (const Note& note : run_edit(edit(step()), options).report.steps.front().notes)
+      if (note.id() == "script.setting_without_use") settings.push_back(note.get<std::string>("setting"));
+    return settings;
+  };
+  EXPECT_EQ(noted(DeformMethod::ft05), (std::vector<std::string>{"stiffness", "iterations"}));
+  EXPECT_EQ(noted(DeformMethod::rotation_aware), std::vector<std::string>{"iterations"});
+  EXPECT_EQ(noted(DeformMethod::corotational), std::vector<std::string>{});
+}
+
 TEST_F(RunEdit, ReportsWhereTheSurfaceWentThroughItself) {
   // The first step moves nothing; the second moves the far edge through the fixed one.
   const std::string still = step("", R"({"translate": [0, 0, 0]})");

@@ -641,6 +641,9 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: regionLacks({ lost, all }),
     remedy: `A tolerance of ${percent(tolerance_rel)}, under Symmetry, suffices.`,
   }),
+  "script.setting_without_use": ({ method, setting }) => ({
+    problem: `the method '${method}' does not use the ${setting}, so that it changed nothing`,
+  }),
   "script.side_without_closed_loop": ({ side, mesh, edges, vertex }) => ({
     problem: `the ${sideWord(side)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,
   }),
