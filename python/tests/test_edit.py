@@ -215,6 +215,9 @@ def test_repair_cut_and_quality(bar, ends):
     assert outcome.changes[0].kind == "filled-hole" and len(outcome.map) == len(bar) and not outcome.options.weld
     round_ = mg.Edit().input("bar", bar).sculpt("bar", "inflate", ends["top"], height=0.2).run()
     assert round_.report.steps[0].sculpt.action == "inflate" and round_.report.max_displacement > 0.1
+    both = mg.Edit().input("bar", bar).sculpt("bar", "inflate", ends["top"], height=0.2,
+                                              symmetry=((0, 0, np.ptp(bar.vertices[:, 2]) / 2), "z")).run()
+    assert both.report.steps[0].sculpt.region == 2 * round_.report.steps[0].sculpt.region
     pose = mg.Pose((1, 0, 0), rotate=("x", 90), scale=2)
     moved = mg.Edit().input("bar", bar).transform("bar", pose).run()
     corners = np.c_[bar.vertices, np.ones(len(bar))] @ pose.as_matrix().T

@@ -91,23 +91,13 @@ Json Worker::sculpt(const json::Value& message, const Context& context) {
   for (const char* field : {"action", "strength", "height"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
   std::vector<Note> notes;
-  if (const DeformStep* deform = deform_in_work(edit); deform != nullptr && deform->symmetry) {
+  if (const DeformStep* deform = deform_in_work(edit); deform != nullptr && deform->symmetry)
     step["symmetry"] = document["steps"].back()["symmetry"];
-    notes = mirrored_region(sculpted_vertices(fields, *base), *deform->symmetry, *base->selections, "symmetry")
-                .notes;
-  }
   const std::size_t index = add_mesh_step(document, edit, std::move(step));
   Json result = change("sculpt", document, context);
   if (moved_nothing(open_one().stage(), index, base->diagonal)) notes.push_back(facts::editor::NothingMoved{});
   result["notes"] = to_json(notes);
   return result;
-}
-
-// Returns the vertices that a request selects on the model, ascending.
-std::vector<Index> Worker::sculpted_vertices(const json::Object& fields, const Object& base) {
-  if (fields.has("select"))
-    return select_vertices(fields.required("select"), open_one().document(), base, shared_.folders);
-  return open_one().selection.vertices;
 }
 
 }  // namespace meshgraft::editor

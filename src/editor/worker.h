@@ -65,7 +65,6 @@ class Worker {
   void save_edit(const std::filesystem::path& file, const Context& context);
   Json selection_or(const json::Object& fields, const std::string& on);
   Json selected_on(const std::string& name);
-  std::vector<Index> sculpted_vertices(const json::Object& fields, const Object& base);
   std::string model_name() { return open_one().stage().model->name; }
   std::shared_ptr<const Object> object_of(const json::Object& fields);
   std::filesystem::path mesh_file(const json::Object& fields);

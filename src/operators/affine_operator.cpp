@@ -226,8 +226,8 @@ SparseRows AffineOperator::coupling(const Context& context) const {
   const auto block_of = [&](Index pair) {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
     if (intrinsic_edges_) {
-      const double weight = P_.valuePtr()[6 * static_cast<std::size_t>(pair)];
-      block.diagonal().setConstant(weight * weight);
+      const double root = P_.valuePtr()[6 * static_cast<std::size_t>(pair)];
+      block.diagonal().setConstant(root * root);
       return block;
     }
     for (Eigen::Index row = pair * rows_per_pair; row < (pair + 1) * rows_per_pair; ++row) {

@@ -55,7 +55,6 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   MirroredRegion regions{resolver.vertices(step.region, location / "region")};
   if (regions.own.empty()) throw Error(facts::script::SelectionEmpty{}, location / "region");
   if (step.symmetry) regions = mirrored_region(regions.own, *step.symmetry, selections, location / "symmetry");
-  report.notes = regions.notes;
   std::vector<Index> region;
   std::set_union(regions.own.begin(), regions.own.end(), regions.image.begin(), regions.image.end(),
                  std::back_inserter(region));
@@ -67,7 +66,10 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   Points moved;
   try {
     moved = sculpted(step, {mesh.positions, triangles, regions.own}, context);
-    if (!regions.image.empty()) moved = sculpted(step, {moved, triangles, regions.image}, context);
+    if (!regions.image.empty()) {  // from the same positions, so that both sides agree
+      const Points other = sculpted(step, {mesh.positions, triangles, regions.image}, context);
+      for (const Index v : regions.image) moved.row(v) = other.row(v);
+    }
     for (const Index v : region)
       if (!moved.row(v).allFinite()) throw Error(facts::deform::SolutionNotFinite{.vertex = v});
   } catch (const Error& error) {

@@ -209,14 +209,15 @@ bool is_symmetric_map(const HandlePose& pose, const Eigen::Vector3d& at, const E
 MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetrySpec& symmetry,
                                const SelectionMesh& context, const Location& location) {
   const MirrorMatch match(symmetry, context, location);
+  if (const std::vector<Index> lost = match.without_partner(region); !lost.empty())
+    throw Error(facts::script::ImageWithGaps{.lost = lost.size(), .all = region.size(), .first = lost.front()},
+                location);
   const std::vector<Index> both = match.with_images(region);
   std::vector<Index> image, touched;
   std::set_difference(both.begin(), both.end(), region.begin(), region.end(), std::back_inserter(image));
   const std::vector<Index> around = grow_rings(region, 1, context.rings);
   std::set_intersection(image.begin(), image.end(), around.begin(), around.end(), std::back_inserter(touched));
   MirroredRegion mirrored;
-  if (const std::vector<Index> lost = match.without_partner(region); !lost.empty())
-    mirrored.notes.push_back(match.note_about(lost, region.size()));
   mirrored.own = touched.empty() ? region : both;
   if (touched.empty()) mirrored.image = std::move(image);
   return mirrored;

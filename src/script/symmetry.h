@@ -76,11 +76,10 @@ class MirrorMatch {
 struct MirroredRegion {
   std::vector<Index> own;
   std::vector<Index> image;  ///< apart from `own`; empty: an image that touches the region is a part of `own`
-  std::vector<Note> notes;   ///< about vertices without a mirror image
 };
 
 /// Mirrors a region (ascending). `location` is that of the field `symmetry`. Throws Error(input) for an invalid
-/// plane.
+/// plane, and where vertices of the region have no partner: an image with gaps would leave spikes.
 MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetrySpec& symmetry,
                                const SelectionMesh& context, const Location& location);
 

@@ -541,7 +541,8 @@ TEST_F(RunEdit, OverridesThatTheMethodDoesNotUseAreNoted) {
     options.overrides.stiffness = 3;
     options.overrides.iterations = 5;
     std::vector<std::string> settings;
-    for (const Note& note : run_edit(edit(step()), options).report.steps.front().notes)
+    const EditReport report = run_edit(edit(step()), options).report;
+    for (const Note& note : report.steps.front().notes)
       if (note.id() == "script.setting_without_use") settings.push_back(note.get<std::string>("setting"));
     return settings;
   };

@@ -8,6 +8,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/mesh/topology.h>
+#include <meshgraft/samples/samples.h>
 #include <meshgraft/script/run_edit.h>
 
 #include "deform/sculpt.h"
@@ -90,6 +91,42 @@ TEST_F(SculptStepTest, ShapesTheMirrorImageToo) {
           (both.mesh.positions.row(v) - Eigen::RowVector3d(mirrored.x(), mirrored.y(), -mirrored.z())).norm(),
           1e-6);
     }
+  }
+}
+
+// Both sides read the rows between them.
+TEST_F(SculptStepTest, IsSymmetricWhereTheSidesAreNear) {
+  const Mesh bar = make_sample("bar", 24);
+  put(bar);
+  const double middle = (bar.positions.col(2).minCoeff() + bar.positions.col(2).maxCoeff()) / 2;
+  const std::string at = "[0, 0, " + std::to_string(middle);
+  for (const char* action : {R"("action": "smooth")", R"("action": "inflate", "height": 0.2)"}) {
+    const Points moved = run_edit(edit(std::string(action) +
+                                       R"(, "region": {"intersect": [
+                                            {"half_space": {"point": [0, 0, 2.05], "normal": [0, 0, 1]}},
+                                            {"half_space": {"point": [0, 0, 2.65], "normal": [0, 0, -1]}}]},
+                                          "symmetry": {"normal": [0, 0, 1], "point": )" +
+                                       at + "]}"))
+                             .mesh.positions;
+    EXPECT_GT((moved - bar.positions).rowwise().norm().maxCoeff(), 1e-3) << action;
+    const auto image_of = [&](const Points& points, Index v) {
+      return Eigen::RowVector3d(points(v, 0), points(v, 1), 2 * middle - points(v, 2));
+    };
+    for (Index v = 0; v < moved.rows(); ++v) {
+      Index partner = 0;
+      (bar.positions.rowwise() - image_of(bar.positions, v)).rowwise().norm().minCoeff(&partner);
+      EXPECT_LT((moved.row(v) - image_of(moved, partner)).norm(), 1e-9) << action << ", vertex " << v;
+    }
+  }
+}
+
+TEST_F(SculptStepTest, RefusesARegionWithoutMirrorImage) {
+  const std::string fields = R"("action": "inflate", "height": 0.3, "region": "cap", )";
+  try {
+    run_edit(edit(fields + R"("symmetry": {"point": [0, 0, 50], "normal": [0, 0, 1]})"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.id(), "script.image_with_gaps");
   }
 }
 

@@ -636,6 +636,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: "the part is placed twice: by matched points, and by a pose of its own",
     remedy: "Keep one of the two.",
   }),
+  "script.image_with_gaps": ({ lost, all }) => ({
+    problem: regionLacks({ lost, all }),
+    remedy: "Enlarge the tolerance under Symmetry, choose another plane, or switch Symmetry off.",
+  }),
   "script.region_not_mirrored": ({ lost, all }) => ({ problem: regionLacks({ lost, all }), remedy: otherPlane }),
   "script.region_without_mirror_image": ({ lost, all, tolerance_rel }) => ({
     problem: regionLacks({ lost, all }),
