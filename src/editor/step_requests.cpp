@@ -1,5 +1,4 @@
 // Requests that concern whole steps, and fields that apply to a whole step.
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -8,8 +7,6 @@
 #include "editor/facts.h"
 #include "graft_actions.h"
 #include "script/fact_json.h"
-#include "script/symmetry.h"
-#include "selecting.h"
 #include "step_actions.h"
 #include "worker.h"
 
@@ -90,11 +87,11 @@ Json Worker::sculpt(const json::Value& message, const Context& context) {
   Json step = {{"kind", "sculpt"}, {"mesh", base->name}, {"region", selection_or(fields, base->name)}};
   for (const char* field : {"action", "strength", "height"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
-  std::vector<Note> notes;
   if (const DeformStep* deform = deform_in_work(edit); deform != nullptr && deform->symmetry)
     step["symmetry"] = document["steps"].back()["symmetry"];
   const std::size_t index = add_mesh_step(document, edit, std::move(step));
   Json result = change("sculpt", document, context);
+  std::vector<Note> notes;
   if (moved_nothing(open_one().stage(), index, base->diagonal)) notes.push_back(facts::editor::NothingMoved{});
   result["notes"] = to_json(notes);
   return result;

@@ -238,9 +238,8 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   expect(user.complaints).toEqual([]);
 }, 240_000);
 
-test("cancelling the graft of a dropped part removes the part, too, in one change, after undo as well", async () => {
-  const { harness, user } = await open();
-  await harness.openSample("bar", 20);
+// Drops the head onto the middle of the model.
+async function dropHead(user: User): Promise<void> {
   const { page } = user;
   await page.getByRole("tab", { name: "Graft" }).click();
   await user.rests();
@@ -253,6 +252,13 @@ test("cancelling the graft of a dropped part removes the part, too, in one chang
   await page.mouse.move(...at, { steps: 4 });
   await user.clickAt(at);
   await grafted(user);
+}
+
+test("cancelling the graft of a dropped part removes the part, too, in one change, after undo as well", async () => {
+  const { harness, user } = await open();
+  await harness.openSample("bar", 20);
+  const { page } = user;
+  await dropHead(user);
   const changes = () => page.evaluate(() => [window.meshgraft.editor.state.value?.undo, window.meshgraft.editor.state.value?.redo]);
   const partsAre = (count: number) =>
     page.waitForFunction((count) => window.meshgraft.editor.graft.parts.value.length === count && window.meshgraft.editor.isIdle(), count);
@@ -281,17 +287,7 @@ test("cancelling the graft of a dropped part removes the part, too, in one chang
 test("a dropped part is removed by Cancel after a reload", async () => {
   const { user } = await open({ models: { "bar.ply": ["bar", "--resolution", "20"] } });
   const { page } = user;
-  await page.getByRole("tab", { name: "Graft" }).click();
-  await user.rests();
-  await page.evaluate(async () => {
-    const { graft } = window.meshgraft.editor;
-    await graft.beginDrop(() => graft.addPart({ sample: "head", resolution: 20 }, false));
-  });
-  const [left, top, right, bottom] = await boxOnPage(user, "model");
-  const at: Point = [(left + right) / 2, (top + bottom) / 2];
-  await page.mouse.move(...at, { steps: 4 });
-  await user.clickAt(at);
-  await grafted(user);
+  await dropHead(user);
   await page.reload();
   await user.ready();
   await grafted(user);
