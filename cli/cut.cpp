@@ -40,6 +40,10 @@ struct CutArguments {
   std::filesystem::path mesh, output, report, picture;
   std::string plane, loop;
   std::optional<CutKeep> keep;
+  bool cap = false, pins = false;
+  std::optional<Index> pin_count;
+  std::optional<double> pin_diameter, pin_length, pin_clearance;
+  std::optional<PinSide> pin_side;
   double snap = CutOptions{}.snap;
   bool json = false;
   bool force = false;
@@ -62,6 +66,10 @@ std::string_view keep_name(CutKeep keep) {
   return keep == CutKeep::both ? "both" : keep == CutKeep::above ? "above" : "below";
 }
 
+std::string_view cap_name(CutCap cap) {
+  return cap == CutCap::open ? "open" : cap == CutCap::flat ? "flat" : "pins";
+}
+
 std::string_view side_name(int side) { return side > 0 ? "above" : side < 0 ? "below" : "both sides"; }
 
 // The cut that the command line asks for, parsed before the mesh is read.
@@ -76,9 +84,25 @@ CutAlong along(const CutArguments& arguments) {
   return {parse_plane(arguments.plane, "--plane"), {}};
 }
 
+// Returns the options of the cut. An option of the pins asks for pins.
+CutOptions options_of(const CutArguments& arguments) {
+  const bool has_pins = arguments.pins || arguments.pin_count || arguments.pin_diameter ||
+                        arguments.pin_length || arguments.pin_clearance || arguments.pin_side;
+  return {.keep = arguments.keep.value_or(CutKeep::both),
+          .snap = arguments.snap,
+          .cap = has_pins        ? CutCap::pins
+                 : arguments.cap ? CutCap::flat
+                                 : CutCap::open,
+          .pin_count = arguments.pin_count,
+          .pin_diameter = arguments.pin_diameter,
+          .pin_length = arguments.pin_length,
+          .pin_clearance = arguments.pin_clearance,
+          .pin_side = arguments.pin_side.value_or(PinSide::below)};
+}
+
 CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments& arguments,
               const Context& context) {
-  const CutOptions options{.keep = arguments.keep.value_or(CutKeep::both), .snap = arguments.snap};
+  const CutOptions options = options_of(arguments);
   try {
     if (!along.plane) return cut_along_loop(usable.mesh(), along.loop, options, context);
     return cut_by_plane(usable.mesh(), *along.plane, options, context);
@@ -144,6 +168,9 @@ void print_summary(const CutFacts& facts, const CutResult& result, const Written
       fmt::print("    loop {}{}: {}\n", loop, facts.loops[loop].made_by_cut ? ", made by the cut" : "",
                  loop_text(facts.loops[loop].facts));
   }
+  for (const CutPin& pin : result.pins)
+    fmt::print("  pin at {:.4g}, {:.4g}, {:.4g}: diameter {:.4g}, length {:.4g}, clearance {:.4g}\n",
+               pin.centre.x(), pin.centre.y(), pin.centre.z(), pin.diameter, pin.length, pin.clearance);
   for (const Note& note : written.notes) fmt::print("  note: {}\n", sentence(note));
   for (const std::string& output : written.files) fmt::print("  wrote {}\n", output);
 }
@@ -168,6 +195,13 @@ Json report_json(const CutArguments& arguments, const CutAlong& along, const Cut
   add_cut_asked_for(along, json);
   json["keep"] = keep_name(arguments.keep.value_or(CutKeep::both));
   json["snap"] = arguments.snap;
+  json["cap"] = cap_name(options_of(arguments).cap);
+  json["pins"] = Json::array();
+  for (const CutPin& pin : result.pins)
+    json["pins"].push_back({{"centre", vector_json(pin.centre)},
+                            {"diameter", pin.diameter},
+                            {"length", pin.length},
+                            {"clearance", pin.clearance}});
   json["counts"] = {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}};
   json["components"] = Json::array();
   for (std::size_t k = 0; k < facts.components.size(); ++k) {
@@ -229,6 +263,7 @@ WrittenCut write_outputs(const CutArguments& arguments, const SoundMesh& usable,
   outputs.notes = notes_on_files(usable.mesh());
   outputs.notes.insert(outputs.notes.end(), written.notes.begin(), written.notes.end());
   if (const std::optional<Note> note = usable.note()) outputs.notes.push_back(*note);
+  outputs.notes.insert(outputs.notes.end(), result.notes.begin(), result.notes.end());
 #ifdef MESHGRAFT_HAS_RENDER
   if (picture) {
     render::write_png(*picture, arguments.picture);
@@ -263,6 +298,25 @@ void run_cut(const CutArguments& arguments, Context context) {
     print_summary(facts, result, written);
 }
 
+void add_pin_options(CLI::App& command, CutArguments& arguments) {
+  command.add_option("--pin-count", arguments.pin_count, "Pins on each cap, 1 to 32 (default 2)")
+      ->type_name("N")
+      ->check(number_from(1, 32));
+  command
+      .add_option("--pin-diameter", arguments.pin_diameter,
+                  "Their diameter (default: from the size of the cap)")
+      ->type_name("LENGTH");
+  command.add_option("--pin-length", arguments.pin_length, "Their length (default 1.5 × the diameter)")
+      ->type_name("LENGTH");
+  command
+      .add_option("--pin-clearance", arguments.pin_clearance,
+                  "By how much the holes are wider all round, and deeper (default 0.05 × the diameter)")
+      ->type_name("LENGTH");
+  add_choice<PinSide>(command, "--pin-side", arguments.pin_side,
+                      {{"above", PinSide::above}, {"below", PinSide::below}},
+                      "The half that carries the pins (default below)");
+}
+
 }  // namespace
 
 void add_cut(CLI::App& program, Action& action) {
@@ -294,6 +348,10 @@ void add_cut(CLI::App& program, Action& action) {
                       arguments->snap))
       ->type_name("X")
       ->check(number_from(0, 0.5));
+  command->add_flag("--cap", arguments->cap, "Close the halves of a cut by a plane with flat caps");
+  command->add_flag("--pins", arguments->pins,
+                    "Close them with caps that have pins on one half and holes in the other, for gluing");
+  add_pin_options(*command, *arguments);
   command->add_option("-o,--output", arguments->output, "The mesh file to write; its extension is the format")
       ->required()
       ->type_name("FILE");
@@ -305,6 +363,7 @@ void add_cut(CLI::App& program, Action& action) {
   command->add_flag("--json", arguments->json, "Print the report instead of a summary");
   command->footer(
       "Examples:\n  meshgraft cut horse.ply --plane y=0.4 --keep above -o head.ply\n"
+      "  meshgraft cut horse.ply --plane y=0.4 --keep above --pins -o head.stl\n"
       "  meshgraft cut horse.ply --loop 100,250,371 -o parts.ply --report parts.json");
   add_threads(*command, arguments->threads);
   add_memory(*command, arguments->memory);

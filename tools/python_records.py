@@ -20,7 +20,7 @@ from pathlib import Path
 # Structs that become dataclasses, in the order of their dependence.
 RECORDS = (
     "TopologySummary", "Finding", "Diagnostics", "RepairOptions", "RepairChange", "RepairResult", "CutOptions",
-    "CutResult",
+    "CutPin", "CutResult",
     "OperatorOptions", "SolverStatistics", "DeformerOptions", "DeformerSummary", "EvaluationReport", "ProxySummary",
     "Quality", "Orientation", "OrientationGuess", "Match", "StartCandidate", "Reach", "MergeFeature", "SeamOptions",
     "MergeOptions", "Similarity", "SeamFaults", "SeamReport", "RetryReport", "PairReport", "ShapeReport", "BaseReport",
@@ -81,10 +81,13 @@ DOCS = {
                  "the cut made.",
     "CutResult.vertex": "Per vertex of the uncut mesh: its index in `mesh`, or -1 where it was removed. A vertex on the cut "
                         "maps to its first copy.",
-    "CutResult.origin": "Per vertex of `mesh`: its location on an edge of the uncut mesh. `start`, `end` and `t` are (n,).",
-    "CutResult.face_parent": "Per face of `mesh`: the uncut face that it is a piece of. (m,)",
+    "CutResult.origin": "Per vertex of `mesh`: its location on an edge of the uncut mesh; -1 in pins and holes. `start`, `end` and "
+                        "`t` are (n,).",
+    "CutResult.face_parent": "Per face of `mesh`: the uncut face that it is a piece of; -1 in a cap. (m,)",
     "CutResult.face_side": "Per face of `mesh`: 1 above, -1 below, 0 where the cut separates nothing. (m,)",
-    "CutResult.loops": "The boundary loops that the cut made: for each, its vertices in `mesh`, in order.",
+    "CutResult.loops": "The boundary loops that the cut made: for each, its vertices in `mesh`, in order. Caps close them.",
+    "CutResult.pins": "The pins that the cut made, each with a hole that takes it.",
+    "CutOutcome.pins": "The pins that the cut made.",
     "MergeReport": "Measures of a merge: its loops, the shape of the grafted source, the seam, and the times of its stages. "
                    "Angles are in degrees, times in seconds; names with _rel are relative, as they say.",
     "MergeReport.pairs": "One report for each pair of loops that met, in the order of the pairs.",

@@ -23,7 +23,7 @@ from meshgraft._facts import Error
 from meshgraft._merge import MergeKeywords, merge_step
 from meshgraft._mesh import Mesh, write
 from meshgraft._pose import pose_of
-from meshgraft._records import CutKeep, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords, SculptAction
+from meshgraft._records import CutKeywords, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords, SculptAction
 from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
@@ -149,13 +149,12 @@ class Edit:
             smooth_boundary=smooth_boundary, fix_winding=fix_winding, retry=retry, settings=settings))
         return self._add(step, result, name, about)
 
-    def cut(self, mesh: str, *, plane: Any = None, loop: ArrayLike | None = None, keep: CutKeep | None = None,
-            snap: float | None = None, result: str | None = None, name: str | None = None,
-            about: str | None = None) -> Self:
+    def cut(self, mesh: str, *, plane: Any = None, loop: ArrayLike | None = None, result: str | None = None,
+            name: str | None = None, about: str | None = None, **options: Unpack[CutKeywords]) -> Self:
         """Adds a cut step on a mesh by name. The arguments are those of `meshgraft.cut`."""
         if (plane is None) == (loop is None):
             raise ValueError("cut: give either plane or loop")
-        step: dict[str, Any] = {"kind": "cut", "mesh": mesh, **_texts.without_none(keep=keep, snap=snap)}
+        step: dict[str, Any] = {"kind": "cut", "mesh": mesh, **_cut_fields(options)}
         if plane is not None:
             step["plane"] = _arrays.plane(plane, "plane")
         else:
@@ -304,6 +303,16 @@ class Edit:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_json": _texts.Writer(aside=False).plain(self._json)}
+
+
+def _cut_fields(options: CutKeywords) -> dict[str, Any]:
+    """The fields of a cut step, from the keywords of `meshgraft.cut`."""
+    given = _texts.without_none(**options)
+    pins = {key.removeprefix("pin_"): given.pop(key) for key in list(given) if key.startswith("pin_")}
+    if given.get("cap") == "pins":
+        given.pop("cap")
+        return {**given, "pins": pins}
+    return given
 
 
 def with_files(edit: dict[str, Any], but: Collection[str], change: Callable[[str], str]) -> dict[str, Any]:

@@ -164,6 +164,14 @@ void cancel_graft(Json& document, const EditFile& edit) {
   steps.push_back(empty_step(merge->target));
 }
 
+std::string part_of_last_change(const History& history) {
+  if (!history.can_undo() || history.label() != "add_part") return {};
+  const Json before = Json::parse(history.before().document), now = Json::parse(history.current());
+  for (const auto& [name, input] : now["inputs"].items())
+    if (!before["inputs"].contains(name)) return name;
+  return {};
+}
+
 std::string part_of_drop(const History& history) {
   for (std::size_t i = history.position(); i > 0; --i) {
     if (history.at(i).label == "start_graft") break;

@@ -41,6 +41,8 @@ std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step);
 void set_graft(Json& document, const EditFile& edit, const Json& fields);
 /// Removes the graft in work.
 void cancel_graft(Json& document, const EditFile& edit);
+/// Returns the part that the last change added beside the model; empty: the last change is another one.
+std::string part_of_last_change(const History& history);
 /// Returns the part that was added by the same change as the graft in work was started; empty: none.
 std::string part_of_drop(const History& history);
 /// Exchanges target and source, with the pairs. Removes the fields that apply to one of them only.

@@ -70,15 +70,22 @@ fs::path Worker::mesh_file(const json::Object& fields) {
 }
 
 Json Worker::part(const json::Value& message, const Context& context) {
-  enum class What { add, remove, edit };
+  enum class What { add, remove, edit, withdraw };
   const json::Object fields(message, {"id", "do", "what", "path", "sample", "resolution", "upload", "name"});
   const What what = fields.required("what").choice<What>(
-      {{"add", What::add}, {"remove", What::remove}, {"edit", What::edit}});
+      {{"add", What::add}, {"remove", What::remove}, {"edit", What::edit}, {"withdraw", What::withdraw}});
   const EditFile& edit = open_one().document().edit;
   Json document = open_one().document().json;
   if (what == What::remove) {
     remove_part(document, edit, fields.required("name").name());
     return change("remove_part", document, context);
+  }
+  if (what == What::withdraw) {
+    const std::string name = fields.required("name").name();
+    if (part_of_last_change(open_one().history()) != name)
+      throw Error(facts::editor::PartNotAdded{.name = name}, "name");
+    open_one().withdraw(context);
+    return shown();
   }
   if (what == What::edit) {
     require_no_graft(edit, "part");
@@ -118,11 +125,11 @@ Json Worker::loops(const json::Value& message, const Context&) {
 }
 
 Json Worker::cut(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "mesh", "plane", "loop", "keep", "snap"});
+  const json::Object fields(message, {"id", "do", "mesh", "plane", "loop", "keep", "snap", "cap", "pins"});
   const EditFile& edit = open_one().document().edit;
   require_no_graft(edit, "cut");
   Json step = {{"kind", "cut"}, {"mesh", object_of(fields)->name}};
-  for (const char* field : {"plane", "loop", "keep", "snap"})
+  for (const char* field : {"plane", "loop", "keep", "snap", "cap", "pins"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
   require_one_of(message, {"plane", "loop"});
   Json document = open_one().document().json;
@@ -175,7 +182,9 @@ Json Worker::graft(const json::Value& message, const Context& context) {
     if (part == merge_in_work(edit)->source) remove_part(document, edit, part);
   }
   if (what == What::swap) swap_graft(document, edit);
-  if (starts && with_part && history.can_undo() && history.label() == "add_part")
+  const bool is_drop =
+      starts && with_part && document["steps"].back()["source"] == part_of_last_change(history);
+  if (is_drop)
     open_one().extend_change("drop_part", document, context);
   else
     open_one().change(what == What::cancel ? "cancel_graft"

@@ -37,6 +37,9 @@ class History {
   std::size_t size() const { return entries_.size(); }
   const Entry& at(std::size_t position) const { return entries_[position]; }
 
+  /// Drops the undone states.
+  void forget_undone() { entries_.resize(position_ + 1); }
+
   void undo() { --position_; }
   void redo() { ++position_; }
 

@@ -316,6 +316,11 @@ void Workspace::undo(const Context& context) {
   history_.undo();
 }
 
+void Workspace::withdraw(const Context& context) {
+  undo(context);
+  history_.forget_undone();
+}
+
 void Workspace::redo(const Context& context) {
   if (!history_.can_redo()) throw Error(facts::editor::NothingToRedo{}, "redo");
   if (show(checked(parse_document(history_.after().document, document_.edit.base_folder)), context))

@@ -43,6 +43,8 @@ class Workspace {
   /// Like `change`, but takes the place of the last change, so that undo takes both back.
   void extend_change(const std::string& label, const Json& changed, const Context& context);
   void undo(const Context& context);
+  /// Undoes the last change so that it cannot be redone.
+  void withdraw(const Context& context);
   void redo(const Context& context);
   void reset(const Context& context);
 

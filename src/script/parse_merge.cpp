@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <set>
 
 #include <meshgraft/script/edit_file.h>
@@ -261,8 +263,28 @@ EditStep parse_merge_step(const Value& value) {
   return {{}, {}, std::move(step)};
 }
 
+namespace {
+
+void parse_pins(const Value& value, CutOptions& options) {
+  const Object fields(value, {"count", "diameter", "length", "clearance", "side"});
+  options.cap = CutCap::pins;
+  fields.optional("count",
+                  [&](const Value& v) { options.pin_count = static_cast<Index>(v.integer_in(1, 32)); });
+  fields.optional("diameter", [&](const Value& v) { options.pin_diameter = v.positive_number(); });
+  fields.optional("length", [&](const Value& v) { options.pin_length = v.positive_number(); });
+  fields.optional("clearance", [&](const Value& v) {
+    options.pin_clearance = v.number_in(0, std::numeric_limits<double>::max());
+  });
+  fields.optional("side", [&](const Value& v) {
+    options.pin_side = v.choice<PinSide>({{"above", PinSide::above}, {"below", PinSide::below}});
+  });
+}
+
+}  // namespace
+
 EditStep parse_cut_step(const Value& value) {
-  const Object fields(value, {"kind", "name", "about", "mesh", "result", "plane", "loop", "keep", "snap"});
+  const Object fields(
+      value, {"kind", "name", "about", "mesh", "result", "plane", "loop", "keep", "snap", "cap", "pins"});
   if (fields.has("plane") == fields.has("loop"))
     value.fail(facts::script::NotOneOf{.names = std::array{"plane", "loop"}});
   CutStep step;
@@ -280,6 +302,12 @@ EditStep parse_cut_step(const Value& value) {
         v.choice<CutKeep>({{"above", CutKeep::above}, {"below", CutKeep::below}, {"both", CutKeep::both}});
   });
   fields.optional("snap", [&](const Value& v) { step.options.snap = v.number_in(0, 0.5); });
+  if (fields.has("cap") && fields.has("pins"))
+    value.fail(facts::script::NotOneOf{.names = std::array{"cap", "pins"}});
+  fields.optional("cap", [&](const Value& v) {
+    step.options.cap = v.choice<CutCap>({{"open", CutCap::open}, {"flat", CutCap::flat}});
+  });
+  fields.optional("pins", [&](const Value& v) { parse_pins(v, step.options); });
   return {{}, {}, std::move(step)};
 }
 

@@ -200,10 +200,19 @@ Json rows_json(const Eigen::Affine3d& map) {
   return rows;
 }
 
+Json pin_json(const CutPin& pin) {
+  return {{"centre", vector_json(pin.centre)},
+          {"diameter", pin.diameter},
+          {"length", pin.length},
+          {"clearance", pin.clearance}};
+}
+
 void add_cut(Json& json, const CutOutcome& cut) {
   json["components"] = cut.topology.components;
   json["boundary_loops"] = cut.topology.boundary_loops;
   json["loops"] = cut.loops;
+  json["pins"] = Json::array();
+  for (const CutPin& pin : cut.pins) json["pins"].push_back(pin_json(pin));
   json["map"] = cut.map.new_index;
 }
 
@@ -275,6 +284,7 @@ Json step_json(const StepReport& step, const Wording& wording) {
     json["action"] = to_string(step.sculpt->action);
     json["region"] = step.sculpt->region;
     json["max_displacement"] = step.sculpt->max_displacement;
+    if (step.symmetry) json["symmetry"] = {{"without_partner", step.symmetry->without_partner}};
   }
   if (step.transform) json["matrix"] = rows_json(*step.transform);
   json["notes"] = to_json(step.notes, wording);

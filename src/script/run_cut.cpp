@@ -66,18 +66,19 @@ StepReport run_cut(const EditStep& edit_step, const Location& location,
     if (error.code() == ErrorCode::cancelled) throw;
     throw sound.explained(error).within(location);
   }
+  report.notes.insert(report.notes.end(), result.notes.begin(), result.notes.end());
   report.seconds.solve = watch.lap();
   ProducedSets produced;
   carry_produced(state.produced, result.vertex, produced);
   if (!edit_step.name.empty()) produced[edit_step.name] = sets_of(result);
   report.cut = CutOutcome{step.options, std::move(result.loops), std::move(result.vertex),
-                          summarise_topology(result.mesh)};
+                          summarise_topology(result.mesh), std::move(result.pins)};
   report.counts.vertices = result.mesh.vertex_count();
   report.counts.faces = result.mesh.face_count();
 
   MeshState opened = make_mesh_state(std::move(result.mesh), state.label + ", cut", context);
   opened.produced = std::move(produced);
-  opened.is_cut = true;
+  opened.is_cut = state.is_cut || step.options.cap == CutCap::open;
   opened.orientations = state.orientations.empty() ? guess_orientations(state.mesh) : state.orientations;
   states.insert_or_assign(report.result, std::move(opened));
   report.seconds.check = watch.lap();

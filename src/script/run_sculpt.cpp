@@ -52,9 +52,14 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   context.step("select");
   const SelectionMesh selections(mesh, weld);
   SelectionResolver resolver(edit, selections, state.produced);
-  MirroredRegion regions{resolver.vertices(step.region, location / "region")};
+  MirroredRegion regions{.own = resolver.vertices(step.region, location / "region")};
   if (regions.own.empty()) throw Error(facts::script::SelectionEmpty{}, location / "region");
-  if (step.symmetry) regions = mirrored_region(regions.own, *step.symmetry, selections, location / "symmetry");
+  if (step.symmetry) {
+    regions = mirrored_region(regions.own, *step.symmetry, selections, location / "symmetry");
+    report.symmetry =
+        SymmetryReport{.reflection = regions.reflection, .without_partner = regions.without_partner};
+    if (regions.note) report.notes.push_back(*regions.note);
+  }
   std::vector<Index> region;
   std::set_union(regions.own.begin(), regions.own.end(), regions.image.begin(), regions.image.end(),
                  std::back_inserter(region));

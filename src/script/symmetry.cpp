@@ -85,6 +85,30 @@ std::vector<Index> MirrorMatch::images(const std::vector<Index>& set) const {
   return found;
 }
 
+std::vector<Index> MirrorMatch::beyond_edges(const std::vector<Index>& set) const {
+  std::vector<Index> beyond;
+  for (const Index v : set) {
+    double longest = 0;
+    for (const Index w : context_.rings[v])
+      longest = std::max(longest, (context_.mesh.positions.row(w) - context_.mesh.positions.row(v)).norm());
+    if (image_distance(v) > longest) beyond.push_back(v);
+  }
+  return beyond;
+}
+
+std::vector<Index> MirrorMatch::with_nearest_images(const std::vector<Index>& set) const {
+  Flags is_in_set(partner_.size(), 0);
+  for (const Index v : set) is_in_set[v] = 1;
+  const Points& positions = context_.mesh.positions;
+  const std::vector<Index> candidates = candidates_of(context_);
+  const VertexTree tree(positions, candidates);
+  std::vector<Index> found;
+  for (const Index v : candidates)
+    if (is_in_set[tree.nearest(image_of(reflection_, positions, v))->vertex]) found.push_back(v);
+  sort_distinct(found);
+  return joined(set, found);
+}
+
 std::vector<Index> MirrorMatch::with_images(const std::vector<Index>& set) const {
   return joined(set, images(set));
 }
@@ -209,17 +233,30 @@ bool is_symmetric_map(const HandlePose& pose, const Eigen::Vector3d& at, const E
 MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetrySpec& symmetry,
                                const SelectionMesh& context, const Location& location) {
   const MirrorMatch match(symmetry, context, location);
-  if (const std::vector<Index> lost = match.without_partner(region); !lost.empty())
-    throw Error(facts::script::ImageWithGaps{.lost = lost.size(), .all = region.size(), .first = lost.front()},
-                location);
-  const std::vector<Index> both = match.with_images(region);
-  std::vector<Index> image, touched;
-  std::set_difference(both.begin(), both.end(), region.begin(), region.end(), std::back_inserter(image));
-  const std::vector<Index> around = grow_rings(region, 1, context.rings);
-  std::set_intersection(image.begin(), image.end(), around.begin(), around.end(), std::back_inserter(touched));
   MirroredRegion mirrored;
-  mirrored.own = touched.empty() ? region : both;
-  if (touched.empty()) mirrored.image = std::move(image);
+  mirrored.reflection = match.reflection();
+  const std::vector<Index> lost = match.without_partner(region);
+  mirrored.without_partner = static_cast<Index>(lost.size());
+  if (const std::vector<Index> gaps = match.beyond_edges(lost); !gaps.empty())
+    throw Error(facts::script::ImageWithGaps{.lost = gaps.size(), .all = region.size(), .first = gaps.front()},
+                location);
+  std::vector<Index> both = lost.empty() ? match.with_images(region) : match.with_nearest_images(region);
+  if (!lost.empty()) mirrored.note = match.note_about(lost, region.size());
+
+  // The half in front of the plane, and the half behind it, if no edge joins them.
+  std::vector<Index> front, back, touched;
+  const Plane& plane = symmetry.plane;
+  for (const Index v : both)
+    ((context.mesh.positions.row(v).transpose() - plane.point).dot(plane.normal) > 0 ? front : back)
+        .push_back(v);
+  const std::vector<Index> around = grow_rings(front, 1, context.rings);
+  std::set_intersection(back.begin(), back.end(), around.begin(), around.end(), std::back_inserter(touched));
+  if (front.empty() || back.empty() || !touched.empty()) {
+    mirrored.own = std::move(both);
+  } else {
+    mirrored.own = std::move(front);
+    mirrored.image = std::move(back);
+  }
   return mirrored;
 }
 

@@ -52,6 +52,12 @@ class MirrorMatch {
   /// Returns the vertices of `set` that belong to a face and have no partner, ascending.
   std::vector<Index> without_partner(const std::vector<Index>& set) const;
 
+  /// Returns the vertices of `set` whose mirror images are farther from any vertex than their longest edge.
+  std::vector<Index> beyond_edges(const std::vector<Index>& set) const;
+
+  /// Returns `set` and all vertices whose mirror image has its nearest vertex in `set`, whatever the tolerance.
+  std::vector<Index> with_nearest_images(const std::vector<Index>& set) const;
+
   /// Returns a note about such vertices.
   Note note_about(const std::vector<Index>& without_partner, std::size_t of) const;
 
@@ -72,14 +78,19 @@ class MirrorMatch {
   std::vector<double> distance_;  ///< from the mirror image to the nearest vertex; negative: belongs to no face
 };
 
-/// A region and its mirror image.
+/// A region together with its mirror image.
 struct MirroredRegion {
-  std::vector<Index> own;
-  std::vector<Index> image;  ///< apart from `own`; empty: an image that touches the region is a part of `own`
+  std::vector<Index> own;    ///< both sides, or the side to which the plane's normal points
+  std::vector<Index> image;  ///< the other side; empty if both sides are in `own`, because an edge joins them
+  Eigen::Affine3d reflection = Eigen::Affine3d::Identity();
+  Index without_partner = 0;  ///< vertices of the region
+  std::optional<Note> note;   ///< about these
 };
 
-/// Mirrors a region (ascending). `location` is that of the field `symmetry`. Throws Error(input) for an invalid
-/// plane, and where vertices of the region have no partner: an image with gaps would leave spikes.
+/// Mirrors a region (ascending). The result is the same for the region, its image, and both together.
+/// `location` is that of the field `symmetry`. On a nearly symmetric mesh, vertices without a partner are
+/// mirrored to where the surface is nearest, with a note. Throws Error(input) for an invalid plane, and if
+/// mirror images of the region are farther from any vertex than an edge: an image with gaps would leave spikes.
 MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetrySpec& symmetry,
                                const SelectionMesh& context, const Location& location);
 

@@ -264,6 +264,16 @@ std::string keep_word(CutKeep keep) {
   return {};
 }
 
+Json pins_json(const CutOptions& options) {
+  Json json = Json::object();
+  if (options.pin_count) json["count"] = *options.pin_count;
+  if (options.pin_diameter) json["diameter"] = *options.pin_diameter;
+  if (options.pin_length) json["length"] = *options.pin_length;
+  if (options.pin_clearance) json["clearance"] = *options.pin_clearance;
+  json["side"] = options.pin_side == PinSide::above ? "above" : "below";
+  return json;
+}
+
 Json step_json(const EditStep& edit_step, const CutStep& step) {
   Json json = {{"kind", "cut"}};
   if (!edit_step.name.empty()) json["name"] = edit_step.name;
@@ -276,6 +286,8 @@ Json step_json(const EditStep& edit_step, const CutStep& step) {
     json["loop"] = std::get<std::vector<Index>>(step.along);
   json["keep"] = keep_word(step.options.keep);
   json["snap"] = step.options.snap;
+  if (step.options.cap == CutCap::flat) json["cap"] = "flat";
+  if (step.options.cap == CutCap::pins) json["pins"] = pins_json(step.options);
   return json;
 }
 

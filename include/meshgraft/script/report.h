@@ -97,6 +97,7 @@ struct CutOutcome {
   std::vector<std::vector<Index>> loops;  ///< boundary loops that the cut made
   IndexMap map;                           ///< vertices, old → new
   TopologySummary topology;               ///< topology of the mesh that was kept
+  std::vector<CutPin> pins;
 };
 
 /// Results of a repair step other than the mesh.
@@ -137,7 +138,7 @@ struct StepReport {
   /// the proxy.
   std::optional<ProxyReport> proxy;
   Index refined_vertices = 0;              ///< vertices that `refine_boundary` added for the solve
-  std::optional<SymmetryReport> symmetry;  ///< absent if not asked for
+  std::optional<SymmetryReport> symmetry;  ///< of a deform or sculpt step; absent if not asked for
   std::vector<std::string> handles;        ///< names; twins follow the step's own handles
   double max_displacement = 0;             ///< model units
   Quality quality;

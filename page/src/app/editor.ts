@@ -557,6 +557,7 @@ export class Editor {
     if (to !== undefined && (await this.ask(to)) !== undefined) this.opened.value = to;
     await this.restoring;
     if (this.reopening !== reopening) return; // the connection was lost again
+    await this.graft.withdrawLeftOver();
     this.reopening = this.restoring = undefined;
     this.bringsBack.value = false;
   }

@@ -105,6 +105,14 @@ export const tourSteps: readonly TourStep[] = [
   },
 ];
 
+/** Returns the name, with a number after it if it is taken. */
+export function freeName(name: string, taken: readonly string[]): string {
+  for (let number = 1; ; ++number) {
+    const free = number === 1 ? name : `${name} ${String(number)}`;
+    if (!taken.includes(free)) return free;
+  }
+}
+
 /** Makes a handle of the upper part of the model. */
 async function holdHead(editor: Toured): Promise<void> {
   const { box, graft, state, tools } = editor;
@@ -114,8 +122,9 @@ async function holdHead(editor: Toured): Promise<void> {
   const point: [number, number, number] = [0, 0, low[2] + 0.62 * (high[2] - low[2])];
   const reach = 0.1 * (state.value?.model.diagonal ?? 1);
   const select = { half_space: { point, normal: [0, 0, 1] as [number, number, number] } };
-  const done = await editor.ask({ do: "handle", what: "add", name: part, select, reach });
-  if (done !== undefined) tools.activeHandle.value = part;
+  const name = freeName(part, handlesOf(editor).map((handle) => handle.name));
+  const done = await editor.ask({ do: "handle", what: "add", name, select, reach });
+  if (done !== undefined) tools.activeHandle.value = name;
 }
 
 async function turnHandle(editor: Toured): Promise<void> {

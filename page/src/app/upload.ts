@@ -11,7 +11,7 @@ const droppedFile = "dropped file ";
 /** Records the file behind an upload, so that it is known after a reload. */
 function rememberUpload(upload: string, { name, size }: File): void {
   try {
-    sessionStorage.setItem(`meshgraft upload ${upload}`, `${name}, ${size} bytes`);
+    localStorage.setItem(`meshgraft upload ${upload}`, `${name}, ${size} bytes`);
   } catch {
     // The file is then known by the engine's name.
   }
@@ -20,7 +20,7 @@ function rememberUpload(upload: string, { name, size }: File): void {
 export function keyOfUpload(upload: string): string {
   let file: string | null = null;
   try {
-    file = sessionStorage.getItem(`meshgraft upload ${upload}`);
+    file = localStorage.getItem(`meshgraft upload ${upload}`);
   } catch {
     // not stored
   }

@@ -441,6 +441,39 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the matched points of the ${sideWord(side)} lie on a line, so any rotation about it fits`,
   }),
 
+  "mesh.cap_inside_out": () => ({
+    problem: "the cut cannot be closed: the mesh faces inward there",
+    remedy: "Mend the model first: Inward-facing is in its list of defects. Or leave the cut open.",
+  }),
+  "mesh.cap_needs_plane": () => ({
+    problem: "only a cut by a plane can be closed",
+    remedy: "Cut by a plane, or leave the cut open.",
+  }),
+  "mesh.cap_outline_crosses": () => ({
+    problem: "the cut cannot be closed: its outline crosses or touches itself",
+    remedy: "Move the plane a little, or leave the cut open.",
+  }),
+  "mesh.cap_outline_open": () => ({
+    problem: "the cut cannot be closed: it meets a hole of the mesh",
+    remedy: "Fill the holes of the model first, or leave the cut open.",
+  }),
+  "mesh.no_room_for_pins": () => ({
+    problem: "no pin fits: the model is too thin behind the cut",
+    remedy: "Move the plane to where the model is thicker, put the pins on the other side, or close the cut flat.",
+  }),
+  "mesh.pins_do_not_fit": () => ({
+    problem: "no pin of this size fits",
+    remedy: "Make the diameter or the length smaller, or switch Sizes to Automatic.",
+  }),
+  "mesh.caps_without_pins": ({ count }) => ({
+    problem: `${counted(count, "cut face has", "cut faces have")} no pins: there is no room for them`,
+  }),
+  "mesh.pins_left_out": ({ count }) => ({
+    problem: `${counted(count, "pin was", "pins were")} left out: there is no room for so many`,
+  }),
+  "mesh.pins_shortened": ({ count }) => ({
+    problem: `${counted(count, "pin was", "pins were")} made shorter: the model is too thin for more`,
+  }),
   "mesh.degenerate_face": ({ count }) => ({ problem: counted(count, "face with a corner twice", "faces with a corner twice") }),
   "mesh.duplicate_face": ({ count }) => ({ problem: counted(count, "face that lies on another", "faces that lie on others") }),
   "mesh.inconsistent_winding": ({ count }) => ({

@@ -2,8 +2,10 @@ import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
 import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
 import type { Page } from "../app/page";
 import { readStep, type GraftFields } from "../app/graft/graft_step";
+import { closingFields, closingOf, type Pins } from "../app/graft/graft_types";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
+import { CutClosingFields } from "./graft/cut_closing";
 import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
 import { degrees, Segments, Select, Slider } from "./ui/fields";
@@ -168,8 +170,8 @@ type Keep = "above" | "below" | "both";
 
 /** The fields of a cut: its plane, if it has one, and the side that is kept. */
 export function CutDetails({ page, step, index }: DetailsProps) {
-  const fields = step.fields as { mesh?: string; plane?: Plane; keep?: Keep; snap?: number };
-  const change = (changes: { plane?: Plane; keep?: Keep; snap?: number }) =>
+  const fields = step.fields as { mesh?: string; plane?: Plane; keep?: Keep; snap?: number; cap?: string; pins?: Pins };
+  const change = (changes: { plane?: Plane; keep?: Keep; snap?: number; cap?: "flat" | null; pins?: Pins | null }) =>
     void page.editor.ask({ do: "step", what: "change", index, fields: changes });
   const { plane } = fields;
   const unit = page.editor.view.unit.value;
@@ -206,6 +208,14 @@ export function CutDetails({ page, step, index }: DetailsProps) {
             onChange={(normal) => normal.some((n) => n !== 0) && change({ plane: { ...plane, normal } })}
           />
         </>
+      )}
+      {plane !== undefined && (
+        <CutClosingFields
+          closing={closingOf(fields)}
+          unit={unit}
+          diagonal={page.editor.state.value?.model.diagonal ?? 1}
+          onChange={(closing) => change({ cap: null, pins: null, ...closingFields(closing) })}
+        />
       )}
       <Slider
         label="Snap"

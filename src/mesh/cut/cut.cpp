@@ -10,6 +10,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "cap.h"
 #include "core/facts.h"
 #include "core/sparse_checks.h"
 #include "cut_snap.h"
@@ -243,10 +244,8 @@ void require_crossed(std::span<const double> heights) {
                                    .high = is_above ? 0.0 + *high : 0.0 - *low});
 }
 
-}  // namespace
-
-CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const CutOptions& options,
-                      const Context& context) {
+CutResult cut_open(const Mesh& mesh, std::span<const double> values, const CutOptions& options,
+                   const Context& context) {
   check(mesh, values, options);
   context.step("cut", 0);
   const TracedFaces coarse =
@@ -274,6 +273,31 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
   return result;
 }
 
+// Cuts at the zeros of heights over a plane, and closes the halves. Pins need both halves, whichever is kept.
+CutResult cut_closed(const Mesh& mesh, std::span<const double> heights, const Plane& plane,
+                     const CutOptions& options, const Context& context) {
+  if (options.cap == CutCap::pins) check_pins(options);
+  const PlaneFrame frame(plane);
+  std::vector<PinFit> fits;
+  CutOptions both = options;
+  both.keep = CutKeep::both;
+  CutResult result = cut_open(mesh, heights, options.cap == CutCap::pins ? both : options, context);
+  if (options.cap == CutCap::pins) {
+    fits = fit_pins(result, frame, options, context);
+    if (options.keep != CutKeep::both) result = cut_open(mesh, heights, options, context);
+  }
+  close_cut(result, frame, fits, options, context);
+  return result;
+}
+
+}  // namespace
+
+CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const CutOptions& options,
+                      const Context& context) {
+  require_open(options);
+  return cut_open(mesh, values, options, context);
+}
+
 CutResult cut_by_plane(const Mesh& mesh, const Plane& plane, const CutOptions& options,
                        const Context& context) {
   check(mesh, options);
@@ -293,7 +317,8 @@ CutResult cut_by_plane(const Mesh& mesh, const Plane& plane, const CutOptions& o
     if (std::abs(values[v]) <= rounding) values[v] = 0;
   }
   require_crossed(values);
-  return cut_at_zero(mesh, values, options, context);
+  if (options.cap == CutCap::open) return cut_open(mesh, values, options, context);
+  return cut_closed(mesh, values, plane, options, context);
 }
 
 std::vector<Index> vertices_at_cut(const CutResult& result) {

@@ -421,6 +421,7 @@ class LoopCut {
 CutResult cut_along_loop(const Mesh& mesh, std::span<const Index> vertices, const CutOptions& options,
                          const Context& context) {
   check(mesh, options);
+  require_open(options);
   check_vertices(mesh, vertices);
   return LoopCut(mesh, vertices, context).run(options);
 }

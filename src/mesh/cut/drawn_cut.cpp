@@ -298,6 +298,10 @@ void check(const Mesh& mesh, const CutOptions& options) {
     throw Error(facts::core::OutOfRange{.value = options.snap, .low = 0, .high = 0.5}, "snap");
 }
 
+void require_open(const CutOptions& options) {
+  if (options.cap != CutCap::open) throw Error(facts::mesh::CapNeedsPlane{});
+}
+
 Points whole_normals(const Mesh& mesh, const DrawnCut& cut) {
   Mesh moved;
   moved.positions = cut.positions.topRows(mesh.vertex_count());

@@ -27,6 +27,9 @@ struct DrawnCut {
 /// Throws Error(input) for a mesh without faces or of huge coordinates, and for options out of range.
 void check(const Mesh& mesh, const CutOptions& options);
 
+/// Throws Error(input) if the options ask for caps.
+void require_open(const CutOptions& options);
+
 /// Returns the normals of the whole surface at all vertices, including those inserted by the cut.
 Points whole_normals(const Mesh& mesh, const DrawnCut& cut);
 

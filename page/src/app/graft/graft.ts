@@ -7,8 +7,10 @@ import {
   type MatchRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
 import { GraftStarts } from "./graft_starts";
+import * as hovering from "./hovering";
+import { closingFields } from "./graft_types";
 import type {
-  Arrangement, Cut, CutRequest, DrawnCurve, GraftHost, GraftReport, GraftTool, LoopRef, PartSource,
+  Arrangement, Cut, CutClosing, CutRequest, DrawnCurve, GraftHost, GraftReport, GraftTool, LoopRef, PartSource,
   SelectionChange, ShownLoop, Side, MeshObject,
 } from "./graft_types";
 import { LoopCurve } from "./loop_curve";
@@ -26,6 +28,8 @@ export class Graft {
   /** The match (or start) that the Delete key removes. */
   readonly activeMatch = signal<MatchRef | null>(null);
   readonly cutPlane = signal<Cut | null>(null);
+  /** How the next cut by a plane is closed. */
+  readonly cutClosing = signal<CutClosing>({ cap: "open" });
   readonly cutCurve = signal<DrawnCurve | null>(null);
   /** The last cut, until another change follows. */
   readonly lastCut = signal<CutRequest | null>(null);
@@ -190,6 +194,7 @@ export class Graft {
       this.tool.value = "drop";
       this.dropped.value = { name, isNew: !before.has(name) };
     });
+    if (this.dropped.value?.isNew === true) hovering.remember(this.dropped.value.name);
     return name;
   }
   /** Grafts the dropped part. A part that was opened for the drop is added by the same change. */
@@ -198,6 +203,7 @@ export class Graft {
     this.dropped.value = null;
     await this.set(fields, dropped?.isNew === true);
     this.isBeingDropped.value = null;
+    hovering.forget();
   }
   /** Cancels the drop. A part that was opened for it is removed. */
   async cancelDrop(): Promise<void> {
@@ -205,8 +211,17 @@ export class Graft {
     this.dropped.value = null;
     await this.forgetDragged();
     if (dropped?.isNew === true && this.host.state.value?.undo === "add_part")
-      await this.host.ask({ do: "undo" });
+      await this.host.ask({ do: "part", what: "withdraw", name: dropped.name });
     this.isBeingDropped.value = null;
+    hovering.forget();
+  }
+  /** Takes back a part that was over the surface when the page was reloaded. */
+  async withdrawLeftOver(): Promise<void> {
+    const name = hovering.name();
+    hovering.forget();
+    const state = this.host.state.value;
+    if (name === "" || state?.undo !== "add_part" || this.byName(name) === undefined) return;
+    await this.host.ask({ do: "part", what: "withdraw", name });
   }
   /** Cancels the drop because the part was released off the surface, and tells the user. */
   async cancelMissedDrop(): Promise<void> {
@@ -240,7 +255,7 @@ export class Graft {
     if (this.tool.value === "plane")
       return plane === null
         ? undefined
-        : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane };
+        : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane, ...closingFields(this.cutClosing.value) };
     const [a, b, c, ...rest] = curve?.vertices ?? [];
     if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
     return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };

@@ -41,6 +41,31 @@ export interface DrawnCurve {
   readonly closed: boolean;
 }
 
+/** Sizes of pins, in model units; those left out follow from the size of the cut. */
+export interface Pins {
+  readonly count?: number;
+  readonly diameter?: number;
+  readonly length?: number;
+  readonly clearance?: number;
+  readonly side?: "above" | "below";
+}
+
+/** How a cut by a plane is closed: not at all, flat, or with pins and holes. */
+export interface CutClosing {
+  readonly cap: "open" | "flat" | "pins";
+  readonly pins?: Pins;
+}
+
+/** Returns the fields of a cut that is closed so. */
+export function closingFields({ cap, pins }: CutClosing): { cap?: "flat"; pins?: Pins } {
+  return cap === "open" ? {} : cap === "flat" ? { cap } : { pins: pins ?? {} };
+}
+
+/** Returns how a cut step is closed, by its fields. */
+export function closingOf(fields: { readonly cap?: string; readonly pins?: Pins }): CutClosing {
+  return fields.pins !== undefined ? { cap: "pins", pins: fields.pins } : { cap: fields.cap === "flat" ? "flat" : "open" };
+}
+
 export type SelectionChange =
   { how: "invert" } | { how: "grow"; rings: number } | { how: "set"; what: EditSelection };
 export type CutRequest = Extract<PageRequest, { do: "cut" }>;

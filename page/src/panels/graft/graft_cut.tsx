@@ -2,6 +2,7 @@ import type { Page } from "../../app/page";
 import { Button } from "../ui/button";
 import { Segments, Select, Slider } from "../ui/fields";
 import { Section } from "../ui/section";
+import { CutClosingFields } from "./cut_closing";
 
 /** Cuts the model or a part open, by a plane or along a drawn curve. */
 export function CutPanel({ page }: { page: Page }) {
@@ -13,7 +14,7 @@ export function CutPanel({ page }: { page: Page }) {
     <Section
       title="Cut"
       startsOpen
-      hint="Cuts a mesh open, for grafting, by a plane or along a closed curve."
+      hint="Cuts a mesh by a plane or along a closed curve: open, for grafting, or closed, for printing in pieces."
     >
       {inWork && <p class="hint">Accept or cancel the graft first.</p>}
       {!inWork && (
@@ -96,6 +97,14 @@ function PlaneFields({ page }: { page: Page }) {
         />
       )}
       {cut === null && <p class="hint">Draw a line across the model, or choose an axis. Middle-drag orbits.</p>}
+      {cut !== null && (
+        <CutClosingFields
+          closing={graft.cutClosing.value}
+          unit={page.editor.view.unit.value}
+          diagonal={page.editor.state.value?.model.diagonal ?? 1}
+          onChange={(closing) => (graft.cutClosing.value = closing)}
+        />
+      )}
       {cut !== null && (
         <div class="buttons">
           <Button

@@ -1,0 +1,371 @@
+#include "cap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include <meshgraft/core/error.h>
+#include <meshgraft/mesh/normals.h>
+
+#include "core/facts.h"
+#include "mesh/facts.h"
+#include "mesh/repair/fill_attributes.h"
+#include "region_triangulation.h"
+
+namespace meshgraft {
+
+namespace {
+
+using Triangle = std::array<Index, 3>;
+
+// Returns whether a half of the cut, the one above (1) or below (-1), carries the pins.
+bool carries_pins(int side, const CutOptions& options) {
+  return (options.pin_side == PinSide::above) == (side > 0);
+}
+
+// The outlines of one half in the plane. They run counter-clockwise around the inside, seen from above.
+struct HalfOutlines {
+  std::vector<Point2> points;  // per vertex of the cut mesh; only those on the cut are used
+  std::vector<CapRegion> regions;
+};
+
+double rounding_of(const Points& positions) {
+  return 64 * std::numeric_limits<double>::epsilon() * positions.cwiseAbs().maxCoeff();
+}
+
+// Returns the side of each vertex on the cut: 1 above, -1 below.
+std::vector<std::int8_t> sides_of_vertices(const CutResult& cut) {
+  std::vector<std::int8_t> side(cut.mesh.vertex_count(), 0);
+  for (Index f = 0; f < cut.mesh.face_count(); ++f)
+    for (const Index v : cut.mesh.faces[f]) side[v] = cut.face_side[f];
+  return side;
+}
+
+HalfOutlines outlines_of(const CutResult& cut, int side, const PlaneFrame& frame, const Context& context) {
+  const std::vector<std::int8_t> side_of = sides_of_vertices(cut);
+  const double rounding = rounding_of(cut.mesh.positions) + rounding_of(frame.origin.transpose());
+  HalfOutlines half;
+  half.points.resize(cut.mesh.vertex_count());
+  std::vector<Outline> outlines;
+  for (const std::vector<Index>& loop : cut.loops) {
+    if (side_of[loop.front()] != side) continue;
+    for (const Index v : loop) {
+      const Eigen::Vector3d position = cut.mesh.positions.row(v);
+      if (std::abs((position - frame.origin).dot(frame.normal)) > rounding)
+        throw Error(facts::mesh::CapOutlineOpen{});
+      half.points[v] = frame.coordinates(position);
+    }
+    // A loop has its half of the surface on the left, so its cap below the plane lies on the right.
+    outlines.push_back(side > 0 ? loop : Outline(loop.rbegin(), loop.rend()));
+  }
+  half.regions = nest_outlines(half.points, outlines);
+  if (half.regions.empty() && !outlines.empty()) throw Error(facts::mesh::CapInsideOut{});
+  for (const CapRegion& region : half.regions)
+    if (const auto at = find_crossing(half.points, region, context)) {
+      const Eigen::Vector3d place = frame.point(*at);
+      throw Error(facts::mesh::CapOutlineCrosses{.x = place.x(), .y = place.y(), .z = place.z()});
+    }
+  return half;
+}
+
+// Returns the triangles of the half that takes the holes, with the depth behind the plane as z.
+std::vector<DeepTriangle> triangles_behind(const CutResult& cut, int side, const PlaneFrame& frame) {
+  std::vector<DeepTriangle> triangles;
+  const auto deep = [&](Index v) {
+    const Eigen::Vector3d position = cut.mesh.positions.row(v);
+    const auto [x, y] = frame.coordinates(position);
+    return Eigen::Vector3d(x, y, side * (position - frame.origin).dot(frame.normal));
+  };
+  const Triangulation triangulation = triangulate(cut.mesh);
+  for (Index t = 0; t < triangulation.triangles.rows(); ++t) {
+    if (cut.face_side[triangulation.face[t]] != side) continue;
+    const auto row = triangulation.triangles.row(t);
+    triangles.push_back({deep(row[0]), deep(row[1]), deep(row[2])});
+  }
+  return triangles;
+}
+
+void add_notes(const std::vector<PinFit>& fits, std::vector<Note>& notes) {
+  Index empty = 0, left_out = 0, shortened = 0;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const PinFit& fit : fits) {
+    if (fit.centres.empty()) {
+      ++empty;
+      continue;
+    }
+    left_out += fit.left_out;
+    if (!fit.shortened) continue;
+    shortened += static_cast<Index>(fit.centres.size());
+    shortest = std::min(shortest, fit.length);
+  }
+  if (shortened > 0) notes.emplace_back(facts::mesh::PinsShortened{.count = shortened, .length = shortest});
+  if (left_out > 0) notes.emplace_back(facts::mesh::PinsLeftOut{.count = left_out});
+  if (empty > 0) notes.emplace_back(facts::mesh::CapsWithoutPins{.count = empty});
+}
+
+// The new faces and vertices of the caps of one half.
+class HalfCaps {
+ public:
+  HalfCaps(const CutResult& cut, int side, const PlaneFrame& frame, const std::vector<PinFit>& fits,
+           const CutOptions& options, const Context& context)
+      : side_(side),
+        frame_(frame),
+        has_pins_(carries_pins(side, options)),
+        first_new_(cut.mesh.vertex_count()),
+        half_(outlines_of(cut, side, frame, context)) {
+    for (std::size_t k = 0; k < half_.regions.size(); ++k) {
+      add_cap(half_.regions[k], k < fits.size() ? fits[k] : PinFit{}, context);
+      vertex_sample_.resize(vertices_.size(), half_.regions[k].outer.front());
+      face_sample_.resize(faces_.size(), half_.regions[k].outer.front());
+    }
+  }
+
+  int side() const { return side_; }
+  const std::vector<Eigen::Vector3d>& vertices() const { return vertices_; }
+  /// Corners from the number of the cut's vertices on are new ones.
+  const std::vector<Triangle>& faces() const { return faces_; }
+  /// Per new vertex, and per face: a vertex on the outline of its cap.
+  const std::vector<Index>& vertex_sample() const { return vertex_sample_; }
+  const std::vector<Index>& face_sample() const { return face_sample_; }
+
+ private:
+  void add_cap(CapRegion region, const PinFit& fit, const Context& context) {
+    std::vector<Outline> mouths;
+    for (const Point2& centre : fit.centres) {
+      mouths.push_back(add_ring(centre, mouth_radius(fit), 0));
+      region.inner.emplace_back(mouths.back().rbegin(), mouths.back().rend());
+    }
+    for (const Triangle& triangle : triangulate_region(half_.points, region, context)) add_face(triangle);
+    for (std::size_t k = 0; k < mouths.size(); ++k) add_body(mouths[k], fit.centres[k], fit);
+  }
+
+  double mouth_radius(const PinFit& fit) const { return has_pins_ ? fit.diameter / 2 : fit.hole_radius(); }
+
+  Index add_vertex(const Point2& at, double height) {
+    vertices_.push_back(frame_.point(at, height));
+    half_.points.push_back(at);
+    return first_new_ + static_cast<Index>(vertices_.size()) - 1;
+  }
+
+  // Adds a ring of vertices, counter-clockwise seen from above.
+  Outline add_ring(const Point2& centre, double radius, double height) {
+    Outline ring;
+    for (Index k = 0; k < pin_sides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / pin_sides;
+      ring.push_back(
+          add_vertex({centre[0] + radius * std::cos(angle), centre[1] + radius * std::sin(angle)}, height));
+    }
+    return ring;
+  }
+
+  // Adds a face that is counter-clockwise seen from above: as it is below the plane, turned over above.
+  void add_face(const Triangle& face) {
+    if (side_ < 0)
+      faces_.push_back(face);
+    else
+      faces_.push_back({face[0], face[2], face[1]});
+  }
+
+  void add_side(const Outline& near, const Outline& far) {
+    for (std::size_t k = 0; k < near.size(); ++k) {
+      const std::size_t next = (k + 1) % near.size();
+      add_face({near[k], near[next], far[next]});
+      add_face({near[k], far[next], far[k]});
+    }
+  }
+
+  // Adds the pin, or the hole, behind its mouth. Pins stand out from a cap and holes go into it, so both lie on
+  // the side that takes the holes.
+  void add_body(const Outline& mouth, const Point2& centre, const PinFit& fit) {
+    const double away = has_pins_ ? -side_ : side_;
+    Outline last = mouth;
+    double depth = fit.length + fit.clearance;
+    if (has_pins_) {
+      depth = fit.length;
+      const double chamfer = pin_chamfer_rel * fit.diameter;
+      Outline shoulder = add_ring(centre, fit.diameter / 2, away * (depth - chamfer));
+      add_side(last, shoulder);
+      last = add_ring(centre, fit.diameter / 2 - chamfer, away * depth);
+      add_side(shoulder, last);
+    } else {
+      last = add_ring(centre, fit.hole_radius(), away * depth);
+      add_side(mouth, last);
+    }
+    const Index middle = add_vertex(centre, away * depth);
+    for (std::size_t k = 0; k < last.size(); ++k) add_face({last[k], last[(k + 1) % last.size()], middle});
+  }
+
+  const int side_;
+  const PlaneFrame& frame_;
+  const bool has_pins_;
+  const Index first_new_;
+  HalfOutlines half_;
+  std::vector<Eigen::Vector3d> vertices_;
+  std::vector<Triangle> faces_;
+  std::vector<Index> vertex_sample_, face_sample_;
+};
+
+// Returns a corner of the surface at each vertex on the cut, before the caps; -1 elsewhere.
+std::vector<Index> corners_at_cut(const CutResult& cut) {
+  Flags on_cut(cut.mesh.vertex_count(), 0);
+  for (const auto& loop : cut.loops)
+    for (const Index v : loop) on_cut[v] = 1;
+  std::vector<Index> corner(cut.mesh.vertex_count(), -1);
+  const std::vector<Index>& corners = cut.mesh.faces.corners();
+  for (Index c = 0; c < static_cast<Index>(corners.size()); ++c)
+    if (on_cut[corners[c]] && corner[corners[c]] < 0) corner[corners[c]] = c;
+  return corner;
+}
+
+Index face_of_corner(const Faces& faces, Index corner) {
+  const auto& offsets = faces.offsets();
+  return static_cast<Index>(std::upper_bound(offsets.begin(), offsets.end(), corner) - offsets.begin()) - 1;
+}
+
+// Gives the elements of caps values: those of the surface at the outline, and values between inside.
+class CapAttributes {
+ public:
+  explicit CapAttributes(const CutResult& cut)
+      : old_vertices_(cut.mesh.vertex_count()),
+        old_faces_(cut.mesh.face_count()),
+        corner_at_(corners_at_cut(cut)) {}
+
+  /// The samples have a vertex on the outline for each new vertex, and for each new face.
+  void extend(Mesh& mesh, const std::vector<Index>& vertex_sample, const std::vector<Index>& face_sample,
+              const Context& context) const {
+    for (Attribute& attribute : mesh.attributes) extend(attribute, mesh, vertex_sample, face_sample);
+    Flags is_new(mesh.face_count(), 0);
+    std::fill(is_new.begin() + old_faces_, is_new.end(), 1);
+    interpolate_in_fills(mesh, is_new, context);
+    set_normals(mesh);
+  }
+
+ private:
+  void extend(Attribute& attribute, const Mesh& mesh, const std::vector<Index>& vertex_sample,
+              const std::vector<Index>& face_sample) const {
+    const auto append = [&](Index element) {
+      for (int k = 0; k < attribute.components; ++k)
+        attribute.values.push_back(
+            attribute.values[static_cast<std::size_t>(element) * attribute.components + k]);
+    };
+    switch (attribute.domain) {
+      case Domain::vertex:
+        for (const Index v : vertex_sample) append(v);
+        break;
+      case Domain::face:
+        for (const Index v : face_sample) append(face_of_corner(mesh.faces, corner_at_[v]));
+        break;
+      case Domain::corner:
+        for (std::size_t f = 0; f < face_sample.size(); ++f)
+          for (const Index v : mesh.faces[old_faces_ + static_cast<Index>(f)])
+            append(corner_at_[v < old_vertices_ ? v : face_sample[f]]);
+        break;
+    }
+  }
+
+  // Caps are flat: corners of new faces take the face's normal, new vertices the mean one.
+  void set_normals(Mesh& mesh) const {
+    std::optional<Points> normals;
+    for (Attribute& attribute : mesh.attributes) {
+      if (attribute.name != "normal" || attribute.components != 3 || attribute.domain == Domain::face) continue;
+      const auto write = [&](std::size_t element, const Eigen::Vector3d& normal) {
+        for (std::size_t k = 0; k < 3; ++k)
+          attribute.values[3 * element + k] = normal[static_cast<Eigen::Index>(k)];
+      };
+      if (attribute.domain == Domain::vertex) {
+        if (!normals) normals = vertex_normals(mesh);
+        for (Index v = old_vertices_; v < mesh.vertex_count(); ++v) write(v, normals->row(v));
+        continue;
+      }
+      for (Index f = old_faces_; f < mesh.face_count(); ++f) {
+        const auto face = mesh.faces[f];
+        const Eigen::Vector3d a = mesh.positions.row(face[0]), b = mesh.positions.row(face[1]),
+                              c = mesh.positions.row(face[2]);
+        for (Index k = 0; k < 3; ++k)
+          write(mesh.faces.first_corner(f) + k, (b - a).cross(c - a).stableNormalized());
+      }
+    }
+  }
+
+  const Index old_vertices_, old_faces_;
+  const std::vector<Index> corner_at_;
+};
+
+// The new normals that a cut keeps for grafts belong to open loops.
+void remove_cut_normals(Mesh& mesh) {
+  std::erase_if(mesh.attributes, [](const Attribute& attribute) {
+    return attribute.domain == Domain::vertex && attribute.name == cut_normal_name;
+  });
+}
+
+}  // namespace
+
+void check_pins(const CutOptions& options) {
+  constexpr Index most = 32;
+  if (options.pin_count && (*options.pin_count < 1 || *options.pin_count > most))
+    throw Error(
+        facts::core::OutOfRange{.value = static_cast<double>(*options.pin_count), .low = 1, .high = most},
+        "pin_count");
+  for (const auto& [size, name] :
+       {std::pair{options.pin_diameter, "pin_diameter"}, std::pair{options.pin_length, "pin_length"}})
+    if (size && !(*size > 0 && std::isfinite(*size)))
+      throw Error(facts::core::NotPositive{.value = *size}, name);
+  if (options.pin_clearance && !(*options.pin_clearance >= 0 && std::isfinite(*options.pin_clearance)))
+    throw Error(facts::core::NegativeOrNotFinite{.value = *options.pin_clearance}, "pin_clearance");
+}
+
+std::vector<PinFit> fit_pins(const CutResult& both, const PlaneFrame& frame, const CutOptions& options,
+                             const Context& context) {
+  const int hole_side = options.pin_side == PinSide::above ? -1 : 1;
+  const HalfOutlines half = outlines_of(both, hole_side, frame, context);
+  const std::vector<DeepTriangle> behind = triangles_behind(both, hole_side, frame);
+  std::vector<PinFit> fits;
+  for (const CapRegion& region : half.regions)
+    fits.push_back(fit_pins(half.points, region, behind, options, context));
+  if (std::any_of(fits.begin(), fits.end(), [](const PinFit& fit) { return !fit.centres.empty(); }))
+    return fits;
+  if (!options.pin_diameter && !options.pin_length) throw Error(facts::mesh::NoRoomForPins{});
+  throw Error(facts::mesh::PinsDoNotFit{.diameter = options.pin_diameter.value_or(0),
+                                        .length = options.pin_length.value_or(0)});
+}
+
+void close_cut(CutResult& cut, const PlaneFrame& frame, const std::vector<PinFit>& fits,
+               const CutOptions& options, const Context& context) {
+  remove_cut_normals(cut.mesh);
+  const CapAttributes attributes(cut);
+  const std::array halves{HalfCaps(cut, 1, frame, fits, options, context),
+                          HalfCaps(cut, -1, frame, fits, options, context)};
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Index> vertex_sample, face_sample;
+  Mesh& mesh = cut.mesh;
+  for (const HalfCaps& half : halves) {
+    const auto shift = static_cast<Index>(vertices.size());
+    vertices.insert(vertices.end(), half.vertices().begin(), half.vertices().end());
+    vertex_sample.insert(vertex_sample.end(), half.vertex_sample().begin(), half.vertex_sample().end());
+    face_sample.insert(face_sample.end(), half.face_sample().begin(), half.face_sample().end());
+    for (Triangle face : half.faces()) {
+      for (Index& v : face) v += v >= mesh.vertex_count() ? shift : 0;
+      mesh.faces.push_back(face);
+      cut.face_parent.push_back(-1);
+      cut.face_side.push_back(static_cast<std::int8_t>(half.side()));
+    }
+  }
+  const Index old_count = mesh.vertex_count();
+  mesh.positions.conservativeResize(old_count + static_cast<Eigen::Index>(vertices.size()), 3);
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    mesh.positions.row(old_count + static_cast<Eigen::Index>(k)) = vertices[k].transpose();
+  cut.origin.resize(mesh.vertex_count());
+  attributes.extend(mesh, vertex_sample, face_sample, context);
+  for (const PinFit& fit : fits)
+    for (const Point2& centre : fit.centres)
+      cut.pins.push_back({frame.point(centre), fit.diameter, fit.length, fit.clearance});
+  add_notes(fits, cut.notes);
+}
+
+}  // namespace meshgraft
