@@ -206,6 +206,13 @@ def test_repair_cut_and_quality(bar, ends):
     cut = mg.cut(bar, plane=((0, 0, 2.05), "z"), keep="both")
     assert len(cut.loops) == 2 and set(cut.face_side) == {-1, 1} and len(cut.origin.t) == len(cut.mesh)
     assert len(mg.cut(bar, values=bar.vertices[:, 2] - 1.23, snap=0.0).loops) == 2
+    pinned = mg.cut(bar, plane=((0, 0, 2.05), "z"), keep="below", cap="pins", pin_count=1, pin_diameter=0.2)
+    assert pinned.mesh.topology().closed and len(pinned.pins) == 1 and pinned.pins[0].diameter == 0.2
+    step = mg.Edit().input("bar", bar).cut("bar", plane=((0, 0, 2.05), "z"), keep="below", cap="pins", pin_count=1,
+                                           pin_diameter=0.2).run()
+    assert np.array_equal(step.mesh.faces, pinned.mesh.faces) and len(step.report.steps[0].cut.pins) == 1
+    flat = mg.Edit().input("bar", bar).cut("bar", plane=((0, 0, 2.05), "z"), cap="flat").run()
+    assert flat.mesh.topology().closed
     around = mg.select.indices([int(mg.select.nearest(p)(bar)[0]) for p in
                                 ((0.5, 0, 2), (0, 0.5, 2), (-0.5, 0, 2), (0, -0.5, 2))])
     assert len(mg.cut(bar, loop=around).loops) == 2

@@ -66,6 +66,30 @@ TEST_F(CommandLine, CutTellsComponentsAndLoops) {
   EXPECT_EQ(json::parse(run("info half.obj --json").out)["components"], 1);
 }
 
+TEST_F(CommandLine, CutsWithCapsAndPins) {
+  ASSERT_EQ(run("sample bar --resolution 12 -o bar.ply").status, 0);
+  const Outcome flat = run("cut bar.ply --plane z=2.1 --cap --json -o flat.ply");
+  ASSERT_EQ(flat.status, 0) << flat.err;
+  EXPECT_EQ(json::parse(flat.out)["cap"], "flat");
+  EXPECT_EQ(json::parse(flat.out)["loops"].size(), 0u);
+  EXPECT_EQ(json::parse(run("info flat.ply --json").out)["boundary_loops"], 0);
+
+  const std::string pins = "cut bar.ply --plane z=2.1 --pin-diameter 0.2 --pin-count 1 --force ";
+  const Outcome lower = run(pins + "--keep below -o lower.stl --json");
+  ASSERT_EQ(lower.status, 0) << lower.err;
+  const json report = json::parse(lower.out);
+  EXPECT_EQ(report["cap"], "pins");
+  ASSERT_EQ(report["pins"].size(), 1u);
+  EXPECT_EQ(report["pins"][0]["diameter"], 0.2);
+  EXPECT_EQ(json::parse(run(pins + "--keep above -o upper.stl --json").out)["pins"], report["pins"]);
+  EXPECT_NE(run(pins + "--keep above -o upper.stl").out.find("diameter 0.2, length 0.3, clearance 0.01"),
+            std::string::npos);
+
+  const Outcome thick = run("cut bar.ply --plane z=2.1 --pin-diameter 3 -o thick.ply");
+  EXPECT_EQ(thick.status, 3);
+  EXPECT_NE(thick.err.find("no pin of diameter 3"), std::string::npos) << thick.err;
+}
+
 TEST_F(CommandLine, CutsAlongALoop) {
   const Outcome outcome = run("cut sheet.obj --loop 18,21,44 --keep above -o patch.ply --json");
   ASSERT_EQ(outcome.status, 0) << outcome.err;

@@ -393,6 +393,38 @@ TEST_F(GraftEditor, AddsAndCancelsADroppedPartByOneChange) {
   EXPECT_TRUE(has_part()) << "a part that was there before stays";
 }
 
+TEST_F(GraftEditor, WithdrawsAPartThatWasNotDropped) {
+  page_.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 20}});
+  add_head();
+  EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "withdraw"}, {"name", "other"}})["code"], "input");
+  page_.ask({{"do", "part"}, {"what", "withdraw"}, {"name", "head"}});
+  EXPECT_TRUE(state()["parts"].empty());
+  EXPECT_TRUE(state()["undo"].is_null());
+  EXPECT_TRUE(state()["redo"].is_null()) << "nothing is left to redo";
+}
+
+TEST_F(GraftEditor, ADropTakesInOnlyItsOwnPart) {
+  page_.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 20}});
+  add_head();
+  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "bust"}, {"resolution", 20}});
+  page_.ask({{"do", "graft"}, {"source", "head"}, {"at", {{"point", {0.5, 0, 2}}}}, {"with_part", true}});
+  EXPECT_EQ(state()["undo"], "start_graft") << "the bust was added last, not the head";
+}
+
+TEST_F(GraftEditor, ClosesCutsWithPins) {
+  page_.ask({{"do", "open"}, {"sample", "bar"}, {"resolution", 20}});
+  page_.ask({{"do", "cut"},
+             {"plane", {{"point", {0, 0, 2}}, {"normal", {0, 0, 1}}}},
+             {"keep", "below"},
+             {"pins", {{"count", 1}}}});
+  EXPECT_EQ(state()["model"]["loops"], 0);
+  const int pinned = state()["model"]["vertices"];
+  page_.ask(
+      {{"do", "step"}, {"what", "change"}, {"index", 0}, {"fields", {{"pins", nullptr}, {"cap", "flat"}}}});
+  EXPECT_EQ(state()["model"]["loops"], 0);
+  EXPECT_EQ(state()["model"]["vertices"], pinned - 97) << "three rings of 32 vertices, and one at the end";
+}
+
 TEST_F(GraftEditor, OpensAGraftThatWasSaved) {
   open_bust_and_head();
   const Frame frame = shown(graft({{"source", "head"}, {"normal_angle_deg", 5}}));

@@ -41,6 +41,35 @@ std::string refusal(const std::string& text) {
   return "(accepted)";
 }
 
+TEST(EditFile, CutStepsKeepTheirCapsAndPins) {
+  const auto round_trip = [](const std::string& fields) {
+    const EditFile edit =
+        parse_edit(R"({"format": "meshgraft-edit", "version": 2, "inputs": {"m": {"file": "m.ply"}},
+                       "steps": [{"kind": "cut", "mesh": "m", "plane": {"point": [0, 0, 0], "normal": [0, 0, 1]})" +
+                       fields + "}]}",
+                   "edit.json");
+    const auto before = std::get<CutStep>(edit.steps[0].action).options;
+    const auto after = std::get<CutStep>(parse_edit(write_edit(edit), "edit.json").steps[0].action).options;
+    EXPECT_EQ(after.cap, before.cap);
+    EXPECT_EQ(after.pin_count, before.pin_count);
+    EXPECT_EQ(after.pin_diameter, before.pin_diameter);
+    EXPECT_EQ(after.pin_length, before.pin_length);
+    EXPECT_EQ(after.pin_clearance, before.pin_clearance);
+    EXPECT_EQ(after.pin_side, before.pin_side);
+    return before;
+  };
+  EXPECT_EQ(round_trip("").cap, CutCap::open);
+  EXPECT_EQ(round_trip(R"(, "cap": "flat")").cap, CutCap::flat);
+  EXPECT_EQ(round_trip(R"(, "pins": {})").cap, CutCap::pins);
+  const CutOptions all =
+      round_trip(R"(, "pins": {"count": 3, "diameter": 0.5, "length": 2, "clearance": 0, "side": "above"})");
+  EXPECT_EQ(all.pin_count, 3);
+  EXPECT_EQ(all.pin_clearance, 0);
+  EXPECT_EQ(all.pin_side, PinSide::above);
+  EXPECT_THROW(round_trip(R"(, "cap": "flat", "pins": {})"), Error);
+  EXPECT_THROW(round_trip(R"(, "pins": {"diameter": 0})"), Error);
+}
+
 TEST(EditFile, ReadsBackWhatItWritesForEverySelectionPoseAndSetting) {
   const std::string every_selection = R"("region": {"union": ["all", "top", {"indices": [3, 1, 2]},
       {"box": {"min": [0, 0, 0], "max": [1, 2, 3]}}, {"sphere": {"centre": [1, 2, 3], "radius": 0.1}},

@@ -120,6 +120,52 @@ TEST_F(SculptStepTest, IsSymmetricWhereTheSidesAreNear) {
   }
 }
 
+// A region, its mirror image, and both together are one and the same request.
+TEST_F(SculptStepTest, IsTheSameFromEitherSide) {
+  const test::TestMesh ball = test::icosphere(3);
+  put(make_mesh(ball.positions, ball.triangles));
+  const std::string other = R"({"half_space": {"point": [0, 0, -0.5], "normal": [0, 0, -1]}})";
+  for (const char* action :
+       {R"("action": "flatten", "strength": 0.8)", R"("action": "inflate", "height": 0.3)"}) {
+    const auto moved = [&](const std::string& region) {
+      const EditResult result = run_edit(edit(action + (R"(, "region": )" + region) +
+                                              R"(, "symmetry": {"point": [0, 0, 0], "normal": [0, 0, 1]})"));
+      const StepReport& report = result.report.steps[0];
+      EXPECT_TRUE(report.symmetry.has_value());
+      EXPECT_EQ(report.symmetry->without_partner, 0);
+      EXPECT_EQ(Json::parse(write_report(result.report))["steps"][0]["symmetry"]["without_partner"], 0);
+      return result.mesh.positions;
+    };
+    const Points above = moved("\"cap\"");
+    EXPECT_EQ(moved(other), above) << action;
+    EXPECT_EQ(moved(R"({"union": ["cap", )" + other + "]}"), above) << action;
+  }
+}
+
+// A scan has no vertex exactly at a mirror image. The nearest part of the surface stands in for it.
+TEST_F(SculptStepTest, FollowsANearlySymmetricMesh) {
+  test::TestMesh ball = test::icosphere(3);
+  const Eigen::AngleAxisd turn(0.05, Eigen::Vector3d::UnitX());
+  for (auto row : ball.positions.rowwise())
+    if (row.z() < 0) row = (turn * Eigen::Vector3d(row.transpose())).transpose();
+  put(make_mesh(ball.positions, ball.triangles));
+  const EditResult result = run_edit(edit(
+      R"("action": "inflate", "height": 0.3, "region": "cap", "symmetry": {"point": [0, 0, 0], "normal": [0, 0, 1]})"));
+  const StepReport& report = result.report.steps[0];
+  EXPECT_GT(report.symmetry->without_partner, 0);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_TRUE(report.notes[0].id().starts_with("script.region_")) << report.notes[0].id();
+  double above = 0, below = 0, step = 0;
+  const Points moved = result.mesh.positions - ball.positions;
+  for (Index v = 0; v < moved.rows(); ++v)
+    (ball.positions(v, 2) > 0 ? above : below) =
+        std::max(ball.positions(v, 2) > 0 ? above : below, moved.row(v).norm());
+  EXPECT_NEAR(below, above, 0.05 * above);
+  for (Index t = 0; t < ball.triangles.rows(); ++t)
+    step = std::max(step, (moved.row(ball.triangles(t, 0)) - moved.row(ball.triangles(t, 1))).norm());
+  EXPECT_LT(step, 0.5 * above) << "no spikes";
+}
+
 TEST_F(SculptStepTest, RefusesARegionWithoutMirrorImage) {
   const std::string fields = R"("action": "inflate", "height": 0.3, "region": "cap", )";
   try {
