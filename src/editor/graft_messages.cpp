@@ -95,7 +95,11 @@ Json found_json(const MergeOutcome& merge) {
   return {{"size", scale_of(whole_map(merge))}, {"starts", starts}};
 }
 
-Json found_json(const SculptOutcome& sculpt) { return {{"moved", sculpt.max_displacement}}; }
+Json found_json(const SculptOutcome& sculpt, std::span<const Note> notes) {
+  return {{"moved", sculpt.max_displacement}, {"notes", to_json(notes)}};
+}
+
+Json found_json(const CutOutcome&, std::span<const Note> notes) { return {{"notes", to_json(notes)}}; }
 
 Json found_json(const RepairOutcome& repair, std::span<const Note> notes) {
   std::vector<Note> told;

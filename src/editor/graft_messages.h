@@ -32,7 +32,9 @@ Json graft_fields(const ShownGraft& graft);
 /// Returns an element of `StepInputs::found`.
 Json found_json(const MergeOutcome& merge);
 /// The largest displacement of a sculpt step, in model units.
-Json found_json(const SculptOutcome& sculpt);
+Json found_json(const SculptOutcome& sculpt, std::span<const Note> notes);
+/// Of a cut: notes on its caps and pins.
+Json found_json(const CutOutcome& cut, std::span<const Note> notes);
 Json found_json(const RepairOutcome& repair, std::span<const Note> notes);
 
 /// Returns the rows of a 4×4 matrix.

@@ -133,8 +133,10 @@ Json Worker::cut(const json::Value& message, const Context& context) {
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
   require_one_of(message, {"plane", "loop"});
   Json document = open_one().document().json;
-  add_mesh_step(document, edit, std::move(step));
-  return change("cut", document, context);
+  const std::size_t index = add_mesh_step(document, edit, std::move(step));
+  Json result = change("cut", document, context);
+  result["notes"] = open_one().stage().found.at(index)["notes"];
+  return result;
 }
 
 // Returns the fields of a merge step that a request has. `fixed` may stand for the selection on the source.

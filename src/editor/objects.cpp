@@ -147,7 +147,8 @@ std::shared_ptr<const MeshState> Objects::state(const Document& document, const 
   const StepReport report = run_step(
       document.edit, step, (Location::file(document.edit.location) / "steps")[*maker], states, {}, context);
   if (report.merge) found_.put(key, std::make_shared<const Json>(found_json(*report.merge)));
-  if (report.sculpt) found_.put(key, std::make_shared<const Json>(found_json(*report.sculpt)));
+  if (report.sculpt) found_.put(key, std::make_shared<const Json>(found_json(*report.sculpt, report.notes)));
+  if (report.cut) found_.put(key, std::make_shared<const Json>(found_json(*report.cut, report.notes)));
   if (report.repair) found_.put(key, std::make_shared<const Json>(found_json(*report.repair, report.notes)));
   auto made = std::make_shared<const MeshState>(std::move(states.at(name)));
   states_.put(key, made);

@@ -91,9 +91,8 @@ Json Worker::sculpt(const json::Value& message, const Context& context) {
     step["symmetry"] = document["steps"].back()["symmetry"];
   const std::size_t index = add_mesh_step(document, edit, std::move(step));
   Json result = change("sculpt", document, context);
-  std::vector<Note> notes;
-  if (moved_nothing(open_one().stage(), index, base->diagonal)) notes.push_back(facts::editor::NothingMoved{});
-  result["notes"] = to_json(notes);
+  result["notes"] = open_one().stage().found.at(index)["notes"];
+  if (moved_nothing(open_one().stage(), index, base->diagonal)) result["notes"].emplace_back(to_json(Note(facts::editor::NothingMoved{})));
   return result;
 }
 

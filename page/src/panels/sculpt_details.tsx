@@ -1,15 +1,21 @@
 import type { DetailsProps } from "./step_details";
+import { StepNotes } from "./step_notes";
 import { NumberField, Slider } from "./ui/fields";
 
 /** How strongly a step smooths or flattens, or how high it inflates. */
-export function SculptDetails({ page, step: { fields }, index }: DetailsProps) {
+export function SculptDetails({ page, step: { fields, found }, index }: DetailsProps) {
   const { action, strength = 0.5, height = 0, symmetry } = fields as {
     action?: string;
     strength?: number;
     height?: number;
     symmetry?: object;
   };
-  const onBothSides = symmetry !== undefined && <p class="hint">Its mirror image is shaped, too.</p>;
+  const onBothSides = symmetry !== undefined && (
+    <>
+      <p class="hint">Its mirror image is shaped, too, at the plane that Symmetry had then.</p>
+      <StepNotes notes={found?.notes} />
+    </>
+  );
   const unit = page.editor.view.unit.value;
   const change = (changes: { strength?: number; height?: number }) =>
     void page.editor.ask({ do: "step", what: "change", index, fields: changes });

@@ -8,6 +8,7 @@ import type { DocumentState, Plane, Pose, Vector } from "../protocol";
 import { CutClosingFields } from "./graft/cut_closing";
 import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
+import { StepNotes } from "./step_notes";
 import { degrees, Segments, Select, Slider } from "./ui/fields";
 import { More } from "./ui/section";
 
@@ -217,6 +218,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
           onChange={(closing) => change({ cap: null, pins: null, ...closingFields(closing) })}
         />
       )}
+      <StepNotes notes={step.found?.notes} />
       <Slider
         label="Snap"
         min={0}

@@ -7,6 +7,7 @@ import {
   type MatchRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
 import { GraftStarts } from "./graft_starts";
+import { noteWords } from "../wording";
 import * as hovering from "./hovering";
 import { closingFields } from "./graft_types";
 import type {
@@ -241,7 +242,10 @@ export class Graft {
   /** Cuts by the plane or along the curve that is shown. */
   async cut(keep: Side): Promise<boolean> {
     const request = this.cutRequest(keep);
-    if (request === undefined || (await this.host.ask(request)) === undefined) return false;
+    const done = request === undefined ? undefined : await this.host.ask(request);
+    if (request === undefined || done === undefined) return false;
+    const { notes = [] } = done;
+    if (notes.length > 0) this.host.note("Cut.", notes.map(noteWords).join(" "));
     batch(() => {
       this.lastCut.value = request;
       this.cutPlane.value = this.cutCurve.value = null;
