@@ -36,6 +36,18 @@ shapes horns "0.5 -1 0.4"
 shapes dinosaur_bust "0.8 -1 0.3"
 shapes bracket_on_posts "0.5 -1 0.6"
 
+# A cut with pins: the lower half, and the upper one turned over.
+cat > "$scratch/pins.json" <<'EDIT'
+{"format": "meshgraft-edit", "version": 2, "inputs": {"head": {"sample": "head"}},
+ "steps": [{"kind": "cut", "mesh": "head", "plane": {"point": [0, 0, 0.5], "normal": [0, 0, 1]}, "keep": "above", "pins": {}},
+           {"kind": "transform", "mesh": "head", "pose": {"rotate": {"axis": [1, 0, 0], "angle_deg": 180}}}]}
+EDIT
+"$program" run "$scratch/pins.json" -o "$scratch/holes.ply"
+"$program" sample head -o "$scratch/head.ply"
+"$program" cut "$scratch/head.ply" --plane z=0.5 --keep below --pins -o "$scratch/pins.ply"
+"$program" render "$scratch/pins.ply" "$scratch/holes.ply" -o docs/images/cut_pins.png --width 500 --height 420 \
+  --from 0.3 -0.8 0.8
+
 # The colours at a seam: of both meshes, blended, and a source without colours.
 "$program" sample bust -o "$scratch/bust.ply"
 "$program" sample dinosaur -o "$scratch/dinosaur.ply"

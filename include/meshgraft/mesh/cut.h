@@ -38,7 +38,7 @@ struct CutOptions {
   double snap = 0.1;
   CutCap cap = CutCap::open;
   std::optional<Index> pin_count;      ///< pins on each cap, 1 to 32; two unless given
-  std::optional<double> pin_diameter;  ///< 0.6 × the radius of equal circles that fit the cap, one for each pin
+  std::optional<double> pin_diameter;  ///< 0.8 × the radius of equal circles that fit the cap, one for each pin
   std::optional<double> pin_length;    ///< 1.5 × the diameter
   std::optional<double>
       pin_clearance;  ///< by how much a hole is wider, all round, and deeper: 0.05 × the diameter

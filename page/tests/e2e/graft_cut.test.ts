@@ -100,3 +100,29 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   await user.screenshot("cut-curve-done");
   expect(user.complaints).toEqual([]);
 }, 240_000);
+
+test("a cut is closed by pins and holes, and the other half is had from its step", async () => {
+  const { harness, user } = await open();
+  const { page } = user;
+  await harness.openSample("bust", 40);
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.click("Cut by a plane");
+  await page.getByRole("button", { name: "Across Z" }).click();
+  const model = () => page.evaluate(() => window.meshgraft.editor.state.value?.model);
+  await page.locator(".cut-in-work").getByText("Flat", { exact: true }).click();
+  await page.locator(".cut-in-work").getByText("Pins", { exact: true }).click();
+  await user.screenshot("cut-pins-plane");
+  await user.click("Keep red side");
+  await page.waitForFunction(() => window.meshgraft.editor.graft.lastCut.value !== null);
+  await user.settle();
+  const step = () => page.evaluate(() => window.meshgraft.editor.state.value?.steps[0]?.fields as { pins?: object; keep?: string });
+  expect(await step()).toMatchObject({ pins: {}, keep: "below" });
+  const pinned = await model();
+  await user.screenshot("cut-pins-done");
+  await page.evaluate(() => window.meshgraft.editor.graft.cutOtherwise());
+  await user.settle();
+  expect((await step()).keep).toBe("above");
+  expect((await model())?.faces).not.toBe(pinned?.faces);
+  await user.screenshot("cut-pins-other");
+  expect(user.complaints).toEqual([]);
+}, 240_000);

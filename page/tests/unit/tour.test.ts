@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { tourSteps } from "../../src/app/tour";
+import { freeName, tourSteps } from "../../src/app/tour";
 import { besideAnchor } from "../../src/panels/tour_bubble";
 
 describe("the tour", () => {
@@ -11,6 +11,10 @@ describe("the tour", () => {
       expect(anchors.length, title).toBeGreaterThan(0);
       expect(action, title).not.toBe("");
     }
+  });
+  test("gives its handle a name that is free", () => {
+    expect(freeName("head", [])).toBe("head");
+    expect(freeName("head", ["head", "head 2"])).toBe("head 3");
   });
   test("speaks of fingers where fingers are used", () => {
     for (const { title, words, touchWords = words } of tourSteps) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 constexpr Index usual_count = 2;
-constexpr double usual_diameter_rel = 0.6;    // × the radius of the packed circles
+constexpr double usual_diameter_rel = 0.8;    // × the radius of the packed circles
 constexpr double usual_length_rel = 1.5;      // × the diameter
 constexpr double usual_clearance_rel = 0.05;  // × the diameter
 constexpr double wall_rel = 0.25;             // × the diameter
