@@ -131,7 +131,7 @@ function BaseTilt({ step, drag, keep }: Omit<NumbersProps, "foundSize" | "foundB
       softMax={60}
       step={5}
       value={base?.tilt_deg ?? 0}
-      help="The part is closed: tilts the plane at which it is cut open."
+      help="The part is closed: tilts the plane at which it is cut open, about the x axis of the part unless the step names another axis; the grip at the rim of the outline points the way."
       onInput={(value) => drag?.(at(value))}
       onChange={(value) => keep(at(value))}
     />
