@@ -87,6 +87,15 @@ DOCS = {
     "CutResult.face_side": "Per face of `mesh`: 1 above, -1 below, 0 where the cut separates nothing. (m,)",
     "CutResult.loops": "The boundary loops that the cut made: for each, its vertices in `mesh`, in order. Caps close them.",
     "CutResult.pins": "The pins that the cut made, each with a hole that takes it.",
+    "CutPin.centre": "The middle of its foot, on the cap. (3,)",
+    "CutPin.diameter": "Diameter, model units.",
+    "CutPin.length": "How far it stands out, model units.",
+    "CutPin.clearance": "By how much the hole is wider, all round, and deeper, model units.",
+    "CutOptions.pin_count": "Pins on each cap, 1 to 32. Absent: two.",
+    "CutOptions.pin_diameter": "Their diameter, model units. Absent: 0.8 × the radius of equal circles that fit the cap, one for "
+                               "each pin.",
+    "CutOptions.pin_length": "How far they stand out, model units. Absent: 1.5 × the diameter.",
+    "CutOptions.pin_clearance": "By how much a hole is wider, all round, and deeper, model units. Absent: 0.05 × the diameter.",
     "CutOutcome.pins": "The pins that the cut made.",
     "MergeReport": "Measures of a merge: its loops, the shape of the grafted source, the seam, and the times of its stages. "
                    "Angles are in degrees, times in seconds; names with _rel are relative, as they say.",
