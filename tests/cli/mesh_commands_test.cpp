@@ -72,7 +72,7 @@ TEST_F(CommandLine, CutsWithCapsAndPins) {
   ASSERT_EQ(flat.status, 0) << flat.err;
   EXPECT_EQ(json::parse(flat.out)["cap"], "flat");
   EXPECT_EQ(json::parse(flat.out)["loops"].size(), 0u);
-  EXPECT_EQ(json::parse(run("info flat.ply --json").out)["boundary_loops"], 0);
+  EXPECT_TRUE(json::parse(run("info flat.ply --json").out)["loops"].empty());
 
   const std::string pins = "cut bar.ply --plane z=2.1 --pin-diameter 0.2 --pin-count 1 --force ";
   const Outcome lower = run(pins + "--keep below -o lower.stl --json");
@@ -87,7 +87,7 @@ TEST_F(CommandLine, CutsWithCapsAndPins) {
 
   const Outcome thick = run("cut bar.ply --plane z=2.1 --pin-diameter 3 -o thick.ply");
   EXPECT_EQ(thick.status, 3);
-  EXPECT_NE(thick.err.find("no pin of diameter 3"), std::string::npos) << thick.err;
+  EXPECT_NE(thick.err.find("no pin of the given size fits"), std::string::npos) << thick.err;
 }
 
 TEST_F(CommandLine, CutsAlongALoop) {
