@@ -1,4 +1,4 @@
-#include "mesh/repair/fill_attributes.h"
+#include "mesh/fill_attributes.h"
 
 #include <gtest/gtest.h>
 

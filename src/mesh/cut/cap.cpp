@@ -15,7 +15,7 @@
 
 #include "core/facts.h"
 #include "mesh/facts.h"
-#include "mesh/repair/fill_attributes.h"
+#include "mesh/fill_attributes.h"
 #include "region_triangulation.h"
 
 namespace meshgraft {

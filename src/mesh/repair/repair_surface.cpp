@@ -9,10 +9,10 @@
 
 #include <meshgraft/mesh/cut.h>
 
-#include "fill_attributes.h"
 #include "mesh/area_vector.h"
 #include "mesh/face_defects.h"
 #include "mesh/facts.h"
+#include "mesh/fill_attributes.h"
 #include "mesh/join.h"
 #include "mesh/outlying.h"
 #include "mesh/traced_faces.h"
