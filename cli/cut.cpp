@@ -24,6 +24,7 @@
 #include "outputs.h"
 #include "picture.h"
 #include "script/fact_json.h"
+#include "script/report_json.h"
 #include "script/vector_json.h"
 #include "values.h"
 #include "wording.h"
@@ -197,11 +198,7 @@ Json report_json(const CutArguments& arguments, const CutAlong& along, const Cut
   json["snap"] = arguments.snap;
   json["cap"] = cap_name(options_of(arguments).cap);
   json["pins"] = Json::array();
-  for (const CutPin& pin : result.pins)
-    json["pins"].push_back({{"centre", vector_json(pin.centre)},
-                            {"diameter", pin.diameter},
-                            {"length", pin.length},
-                            {"clearance", pin.clearance}});
+  for (const CutPin& pin : result.pins) json["pins"].push_back(pin_json(pin));
   json["counts"] = {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}};
   json["components"] = Json::array();
   for (std::size_t k = 0; k < facts.components.size(); ++k) {

@@ -33,7 +33,7 @@ Json graft_fields(const ShownGraft& graft);
 Json found_json(const MergeOutcome& merge);
 /// The largest displacement of a sculpt step, in model units.
 Json found_json(const SculptOutcome& sculpt, std::span<const Note> notes);
-/// Of a cut: notes on its caps and pins.
+/// Contains the notes on caps and pins.
 Json found_json(const CutOutcome& cut, std::span<const Note> notes);
 Json found_json(const RepairOutcome& repair, std::span<const Note> notes);
 

@@ -200,13 +200,6 @@ Json rows_json(const Eigen::Affine3d& map) {
   return rows;
 }
 
-Json pin_json(const CutPin& pin) {
-  return {{"centre", vector_json(pin.centre)},
-          {"diameter", pin.diameter},
-          {"length", pin.length},
-          {"clearance", pin.clearance}};
-}
-
 void add_cut(Json& json, const CutOutcome& cut) {
   json["components"] = cut.topology.components;
   json["boundary_loops"] = cut.topology.boundary_loops;
@@ -303,6 +296,13 @@ Json change_json(const RepairChange& change, const Wording& wording) {
           {"count", change.count},
           {"domain", domain_word(change.domain)},
           {"description", wording(change.note).statement}};
+}
+
+Json pin_json(const CutPin& pin) {
+  return {{"centre", vector_json(pin.centre)},
+          {"diameter", pin.diameter},
+          {"length", pin.length},
+          {"clearance", pin.clearance}};
 }
 
 Json starts_json(const std::vector<StartCandidate>& starts) {

@@ -15,6 +15,7 @@ nlohmann::ordered_json quality_json(const Quality& quality);
 /// Returns the name, count, domain and description of a change. The description is in the words of an
 /// interface.
 nlohmann::ordered_json change_json(const RepairChange& change, const Wording& wording);
+nlohmann::ordered_json pin_json(const CutPin& pin);
 nlohmann::ordered_json starts_json(const std::vector<StartCandidate>& starts);
 
 }  // namespace meshgraft

@@ -463,7 +463,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "mesh.pins_do_not_fit": () => ({
     problem: "no pin of this size fits",
-    remedy: "Make the diameter or the length smaller, or switch Sizes to Automatic.",
+    remedy: "Make the diameter or the length smaller, or switch on Automatic sizes.",
   }),
   "mesh.caps_without_pins": ({ count }) => ({
     problem: `${counted(count, "cut face has", "cut faces have")} no pins: there is no room for them`,

@@ -1,7 +1,7 @@
 import { noteWords } from "../app/wording";
 import type { Step } from "./step_details";
 
-/** What the engine has to say of the result of a step. */
+/** Lists the engine's notes on the result of a step. */
 export function StepNotes({ notes = [] }: { notes: NonNullable<Step["found"]>["notes"] }) {
   return (
     <>

@@ -137,10 +137,6 @@ std::optional<PinFit> fit_at(const CirclePacking& packing, std::span<const DeepT
   return best;
 }
 
-}  // namespace
-
-namespace {
-
 CirclePacking pack(const std::vector<Candidate>& all, Index count, const Context& context) {
   std::vector<Candidate> placed;
   const auto none = static_cast<std::size_t>(-1);

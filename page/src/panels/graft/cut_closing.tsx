@@ -5,12 +5,12 @@ import { NumberField, Segments, Toggle } from "../ui/fields";
 interface CutClosingProps {
   closing: CutClosing;
   unit: Unit;
-  /** Of the model, model units. */
+  /** The diagonal of the model's box, in model units. */
   diagonal: number;
   onChange: (closing: CutClosing) => void;
 }
 
-/** How the halves of a cut by a plane are closed, and the sizes of pins. */
+/** Shows how the halves of a cut by a plane are closed, and the sizes of pins. */
 export function CutClosingFields({ closing, unit, diagonal, onChange }: CutClosingProps) {
   const pins = closing.pins ?? {};
   const setPins = (changes: Pins) => onChange({ cap: "pins", pins: { ...pins, ...changes } });
@@ -29,13 +29,19 @@ export function CutClosingFields({ closing, unit, diagonal, onChange }: CutClosi
       />
       {closing.cap === "pins" && (
         <>
-          <Row
-            label="Pins"
-            value={pins.count ?? 2}
-            integer
-            tip="On each cut face. The number is smaller where there is no room."
-            onChange={(count) => setPins({ count })}
-          />
+          <label class="row">
+            <span id="pin-count">Pins</span>
+            <NumberField
+              label="Pins"
+              labelledBy="pin-count"
+              value={pins.count ?? 2}
+              integer
+              min={1}
+              max={32}
+              tip="On each cut face. The number is smaller where there is no room."
+              onChange={(count) => setPins({ count })}
+            />
+          </label>
           <Segments
             label="Pins on"
             value={pins.side ?? "below"}
@@ -82,23 +88,6 @@ function usualSizes(diagonal: number, unit: Unit): Pins {
 
 function without({ count, side }: Pins): Pins {
   return { ...(count !== undefined && { count }), ...(side !== undefined && { side }) };
-}
-
-interface RowProps {
-  label: string;
-  value: number;
-  integer?: boolean;
-  tip?: string;
-  onChange: (value: number) => void;
-}
-
-function Row({ label, value, integer = false, tip, onChange }: RowProps) {
-  return (
-    <label class="row">
-      <span id="pin-count">{label}</span>
-      <NumberField label={label} labelledBy="pin-count" value={value} integer={integer} min={1} max={32} {...(tip !== undefined && { tip })} onChange={onChange} />
-    </label>
-  );
 }
 
 interface LengthProps {
