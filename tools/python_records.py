@@ -35,7 +35,7 @@ RECORDS = (
 KEYWORDS = {
     "DeformKeywords": (("DeformSettings", "DeformerOptions", "OperatorOptions"),
                        {"deformer": None, "refine_boundary": None, "proxy": None, "weld": None, "operators": None,
-                        "opposite_pairs": None}),
+                        "opposite_pairs": None, "soften_coarse": None}),
     "OperatorKeywords": (("OperatorOptions",), {}),
     "SeamKeywords": (("SeamOptions",), {"target_rings": "band", "source_rings": None}),
     "RepairKeywords": (("RepairOptions",), {}),

@@ -44,7 +44,7 @@ def test_handles_are_exactly_at_their_poses_and_nothing_else_outside_moves(bar, 
 
 
 def test_deform_refines_around_a_single_vertex_and_a_deformer_does_not():
-    sheet = mg.sample("bumpy_plane", 40)
+    sheet = mg.sample("bumpy_plane", 120)
     step = {"region": mg.select.sphere((0, 0, 0), 0.4), "handles": {"tip": mg.select.nearest((0, 0, 0))}}
     poses = {"tip": mg.Pose((0, 0, 0.15))}
     plain = mg.deform(sheet, **step, poses=poses, refine_boundary=0)

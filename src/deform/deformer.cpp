@@ -34,6 +34,7 @@ std::string_view to_string(DeformMethod value) {
 DeformerOptions DeformerOptions::as_published() {
   return {.method = DeformMethod::ft05,
           .stiffness = 0,
+          .soften_coarse = false,
           .iterations = 20,
           .smoothing_length_rel = 0.09,
           .operators = OperatorOptions::as_published(),

@@ -15,6 +15,9 @@
 #include "operators/density_scale.h"
 #include "operators/laplacian.h"
 
+#include "components.h"
+#include "label_sums.h"
+
 namespace meshgraft::distributed {
 
 namespace {
@@ -41,6 +44,14 @@ SparseRows scaled_rows(const SparseRows& matrix, const std::vector<Index>& rows,
   return scaled;
 }
 
+/// Returns the area of a triangle, in patch units.
+double area_of(const Part& part, Index triangle) {
+  const auto corners = part.mesh.triangles.row(triangle);
+  const Eigen::RowVector3d u = part.points.row(corners[1]) - part.points.row(corners[0]),
+                           v = part.points.row(corners[2]) - part.points.row(corners[0]);
+  return u.cross(v).norm() / 2;
+}
+
 /// Returns the area of the own faces with a free corner, in patch units.
 double free_area(const Part& part) {
   double area = 0;
@@ -48,9 +59,7 @@ double free_area(const Part& part) {
     const auto corners = part.mesh.triangles.row(t);
     if (!part.mesh.owns_triangle(t)) continue;
     if (std::none_of(corners.begin(), corners.end(), [&](Index v) { return !part.mask.position[v]; })) continue;
-    const Eigen::RowVector3d u = part.points.row(corners[1]) - part.points.row(corners[0]),
-                             v = part.points.row(corners[2]) - part.points.row(corners[0]);
-    area += u.cross(v).norm() / 2;
+    area += area_of(part, t);
   }
   return area;
 }
@@ -67,6 +76,7 @@ PartSystem::PartSystem(const Communicator& comm, const Part& part, const std::ve
   build_operator(options.deformer);
   column_ = number_columns();
   if (columns_.total() == 0) return;
+  find_stiffness_scales(options.deformer);
   comm.together([&] { build_system(column_, options.deformer); });
   factorise();
   if (comm.any(!anchors_.empty()) && options.deformer.operators.density == Density::aware) {
@@ -177,15 +187,47 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
   if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(options.operators.density), one_thread));
 }
 
+/// Finds the factor of the stiffness at each vertex, as `ConstrainedSystem` does.
+void PartSystem::find_stiffness_scales(const DeformerOptions& options) {
+  const LocalMesh& mesh = part_.mesh;
+  const bool is_aware = options.operators.density == Density::aware;
+  stiffness_scales_.assign(mesh.vertices.size(), 0);
+  for (Index v = 0; v < mesh.vertices.size(); ++v)
+    if (!part_.mask.position[v]) stiffness_scales_[v] = is_aware ? mean_edge_length_ / region_size_ : 1.0;
+  if (!is_aware || !options.soften_coarse) return;
+
+  Flags is_free(mesh.vertices.size());
+  for (Index v = 0; v < mesh.vertices.size(); ++v) is_free[v] = !part_.mask.position[v];
+  const std::vector<Number> component =
+      find_components(comm_, mesh, is_free, std::vector<Number>(part_.original.begin(), part_.original.end()));
+  LabelValues sizes;  // area, vertices
+  for (Index v = 0; v < mesh.vertices.size(); ++v)
+    if (is_free[v]) {
+      Eigen::VectorXd& size = sizes.try_emplace(component[v], Eigen::VectorXd::Zero(2)).first->second;
+      size[1] += v < mesh.vertices.own();
+    }
+  for (Index t = 0; t < mesh.triangles.rows(); ++t) {
+    const auto corners = mesh.triangles.row(t);
+    const auto free = std::find_if(corners.begin(), corners.end(), [&](Index v) { return is_free[v] != 0; });
+    if (mesh.owns_triangle(t) && free != corners.end()) sizes.at(component[*free])[0] += area_of(part_, t);
+  }
+  sizes = sum_by_label(comm_, sizes);
+
+  for (Index v = 0; v < mesh.vertices.size(); ++v) {
+    if (!is_free[v]) continue;
+    const Eigen::VectorXd& size = sizes.at(component[v]);
+    stiffness_scales_[v] = stiffness_scale(mean_edge_length_, {.area = size[0], .vertices = size[1]});
+  }
+}
+
 /// Lists the rows w (x_i − x_j) of the edges with a free end, as `ConstrainedSystem` does.
 void PartSystem::list_edge_rows(const DeformerOptions& options) {
   if (options.method == DeformMethod::ft05 || options.stiffness <= 0) return;
-  const double scale = options.operators.density == Density::aware ? mean_edge_length_ / region_size_ : 1.0;
   const Halo& vertices = part_.mesh.vertices;
-  visit_stiffness_edges(*rows_, options.stiffness * scale, [&](Index i, Index j, double weight) {
+  visit_stiffness_edges(*rows_, options.stiffness, [&](Index i, Index j, double weight) {
     const Index first = vertices.number(i) < vertices.number(j) ? i : j;
     if (first < vertices.own() && (!part_.mask.position[i] || !part_.mask.position[j]))
-      edge_rows_.push_back({{i, j}, weight});
+      edge_rows_.push_back({{i, j}, weight * edge_scale(stiffness_scales_[i], stiffness_scales_[j])});
   });
 }
 

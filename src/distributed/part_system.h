@@ -65,6 +65,7 @@ class PartSystem {
   void build_operator(const DeformerOptions& options);
   std::vector<int> number_columns();
   void build_system(const std::vector<int>& column, const DeformerOptions& options);
+  void find_stiffness_scales(const DeformerOptions& options);
   void list_edge_rows(const DeformerOptions& options);
   SparseRows stiffness_rows() const;
   SparseRows anchor_rows(Density density);
@@ -88,6 +89,7 @@ class PartSystem {
     double weight;
   };
   std::vector<EdgeRow> edge_rows_;
+  std::vector<double> stiffness_scales_;  ///< of the local vertices
   Halo columns_;
   std::vector<int> column_;               ///< per node: local column, or -1
   SparseRows L_, delta_, P_, stiffness_;  ///< own rows

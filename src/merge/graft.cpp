@@ -73,6 +73,7 @@ Graft solve_graft(const Points& source, const Triangles& triangles,
                   std::span<const VertexConstraint> constraints, std::span<const Index> far,
                   const std::vector<Index>& component, const MergeOptions& options, const Context& context) {
   DeformerOptions deformer_options = options.deformer;
+  deformer_options.soften_coarse = false;  // softer parts invert more maps beside the seam
   if (options.shape == MergeShape::ft05) deformer_options.method = DeformMethod::ft05;
 
   Flags taken(source.rows(), 0);

@@ -181,6 +181,9 @@ struct DeformerOptions {
   /// larger values are more rigid. Under `Density::aware` μ is relative to bending over the region's size,
   /// otherwise the rows have the plain weight μ.
   double stiffness = 60;
+  /// Reduces the stiffness in regions with few edges across, where it would kink single edges at the border
+  /// (docs/methods.md). Merging does not use it.
+  bool soften_coarse = true;
   int iterations = 20;  ///< largest number of co-rotational iterations
   /// Length over which the co-rotational field is smoothed, × the width of the surface between constraints.
   double smoothing_length_rel = 0.04;

@@ -10,6 +10,7 @@
 #include "core/stopwatch.h"
 #include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
+#include "mesh/disjoint_sets.h"
 #include "stiffness_edges.h"
 
 namespace meshgraft {
@@ -36,8 +37,7 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
     if (!intrinsic_edges_ && options.method != DeformMethod::ft05)
       intrinsic_edges_ = std::make_shared<const IntrinsicEdges>(
           intrinsic_delaunay_edges(patch().points, triangles(), context));
-    build_system(options.operators.density, options.method == DeformMethod::ft05 ? 0 : options.stiffness,
-                 context);
+    build_system(options, context);
     summary.degenerate_vertices = count_degenerate();
   }
   summary.free_vertices = static_cast<Index>(free_.size());
@@ -106,31 +106,63 @@ Index ConstrainedSystem::count_degenerate() const {
   return count;
 }
 
+/// Returns the area of a triangle, in patch units.
+double ConstrainedSystem::area_of(const Eigen::RowVector3<Index>& corners) const {
+  const Eigen::RowVector3d u = patch().points.row(corners[1]) - patch().points.row(corners[0]),
+                           v = patch().points.row(corners[2]) - patch().points.row(corners[0]);
+  return u.cross(v).norm() / 2;
+}
+
 /// Returns the area of the patch's faces with a free corner, without those of features, in patch units.
 double ConstrainedSystem::free_area() const {
   double area = 0;
   for (const auto& t : patch().triangles.rowwise()) {
     if (std::none_of(t.begin(), t.end(), [&](Index v) { return !mask_.position[v] && mask_.feature[v] < 0; }))
       continue;
-    const Eigen::RowVector3d u = patch().points.row(t[1]) - patch().points.row(t[0]),
-                             v = patch().points.row(t[2]) - patch().points.row(t[0]);
-    area += u.cross(v).norm() / 2;
+    area += area_of(t);
   }
   return area > 0 ? area : 1;
 }
 
+/// Returns the factor of the stiffness at each vertex whose position is unknown, and 0 elsewhere. With
+/// `soften_coarse` each connected component of free vertices has its own, so that the parts of a region do not
+/// depend on each other.
+std::vector<double> ConstrainedSystem::stiffness_scales(const DeformerOptions& options) const {
+  const bool is_aware = options.operators.density == Density::aware;
+  const double edge_length = operators_->rows().mean_edge_length();
+  std::vector<double> scales(patch().size(), 0);
+  for (Index v = 0; v < patch().size(); ++v)
+    if (!mask_.position[v]) scales[v] = is_aware ? edge_length / region_size_ : 1.0;
+  if (!is_aware || !options.soften_coarse) return scales;
+
+  const auto is_free = [&](Index v) { return !mask_.position[v] && mask_.feature[v] < 0; };
+  DisjointSets components(patch().size());
+  for (const auto& t : patch().triangles.rowwise())
+    for (int c = 0; c < 3; ++c)
+      if (is_free(t[c]) && is_free(t[(c + 1) % 3])) components.unite(t[c], t[(c + 1) % 3]);
+  std::vector<FreeComponent> sizes(patch().size());
+  for (Index v = 0; v < patch().size(); ++v)
+    if (is_free(v)) ++sizes[components.root(v)].vertices;
+  for (const auto& t : patch().triangles.rowwise())
+    if (const auto free = std::find_if(t.begin(), t.end(), is_free); free != t.end())
+      sizes[components.root(*free)].area += area_of(t);
+  for (Index v = 0; v < patch().size(); ++v)
+    if (is_free(v)) scales[v] = stiffness_scale(edge_length, sizes[components.root(v)]);
+  return scales;
+}
+
 /// Lists the rows w (x_i − x_j) of the edges with a free end; their right-hand side is w ½(F_i + F_j)(p_i −
-/// p_j). With `aware` their sum of squares approximates 2 √3 μ² ℓ̄²/D² ∫ ‖∂x − F‖², where D is the region's
-/// size. E_R approximates 12 ℓ̄² ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of the
-/// two.
-void ConstrainedSystem::list_edge_rows(Density density, double stiffness) {
-  if (stiffness <= 0) return;
+/// p_j). With `aware` their sum of squares approximates 2 √3 μ² ℓ̄²/D² ∫ ‖∂x − F‖², where D is the size of the
+/// component. E_R approximates 12 ℓ̄² ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of
+/// the two, unless a component is coarse (`stiffness_scale`).
+void ConstrainedSystem::list_edge_rows(const DeformerOptions& options) {
+  if (options.method == DeformMethod::ft05 || options.stiffness <= 0) return;
   const AffineOperator& op = operators_->rows();
-  const double scale = density == Density::aware ? op.mean_edge_length() / region_size_ : 1.0;
-  visit_stiffness_edges(op, stiffness * scale, [&](Index i, Index j, double weight) {
+  const std::vector<double> scales = stiffness_scales(options);
+  visit_stiffness_edges(op, options.stiffness, [&](Index i, Index j, double weight) {
     if ((!mask_.position[i] || !mask_.position[j]) &&
         (mask_.feature[i] < 0 || mask_.feature[i] != mask_.feature[j]))
-      edge_rows_.push_back({{i, j}, weight});
+      edge_rows_.push_back({{i, j}, weight * edge_scale(scales[i], scales[j])});
   });
 }
 
@@ -177,7 +209,7 @@ SparseRows ConstrainedSystem::anchor_rows(Density density) {
 
 /// Assembles the system. Its columns are each free vertex followed by its apex, then four for each feature:
 /// three of the map and one of the translation.
-void ConstrainedSystem::build_system(Density density, double stiffness, const Context& context) {
+void ConstrainedSystem::build_system(const DeformerOptions& options, const Context& context) {
   const AffineOperator& op = operators_->rows();
   const Index n = patch().size();
   const Eigen::Index node_count = op.nodes().positions.rows();
@@ -224,12 +256,12 @@ void ConstrainedSystem::build_system(Density density, double stiffness, const Co
   take_over(A_L_, difference_of_products({op.L(), E_}, {op.delta(), G_}, context));
   context.throw_if_stopped();
 
-  list_edge_rows(density, stiffness);
+  list_edge_rows(options);
   take_over(stiffness_rows_, stiffness_rows());
   context.throw_if_stopped();
   take_over(A_L_, stack(A_L_, multiply(stiffness_rows_, E_, context), context));
   context.throw_if_stopped();
-  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(density), context));
+  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(options.operators.density), context));
   take_over(A_L_transposed_, transpose(A_L_, context));
   take_over(G_transposed_, transpose(G_, context));
   context.step("assemble", 0.7);

@@ -141,9 +141,11 @@ class ConstrainedSystem {
   bool share(const ConstrainedSystem& other, const ConstrainedMesh& mesh, const Context& context);
   void restrict_to_patch(const ConstrainedMesh& mesh);
   void build_operator(const OperatorOptions& options, const Context& context);
-  void build_system(Density density, double stiffness, const Context& context);
+  void build_system(const DeformerOptions& options, const Context& context);
+  double area_of(const Eigen::RowVector3<Index>& corners) const;
   double free_area() const;
-  void list_edge_rows(Density density, double stiffness);
+  std::vector<double> stiffness_scales(const DeformerOptions& options) const;
+  void list_edge_rows(const DeformerOptions& options);
   SparseRows stiffness_rows() const;
   SparseRows anchor_rows(Density density);
   void prepare_similarities(const Context& context);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +13,27 @@ namespace meshgraft {
 /// The share of an anchor's weight in its row. With it, weight 1 leaves about half of the anchors' motion
 /// (docs/method.md, "Stationary anchors").
 inline constexpr double anchor_share = 0.95;
+
+/// The size of a connected component of free vertices.
+struct FreeComponent {
+  double area = 0;      ///< of the faces with a corner in it
+  double vertices = 0;  ///< their number
+};
+
+/// Returns the factor of the stiffness in the rows of a component, beside `aware` rows of E_R. It is ℓ̄/D, where
+/// ℓ̄ is the mean edge length and D = √area, or less on coarse components. At their border the balance of
+/// stiffness and E_R leaves a layer of the width 1.9 D/μ. Where it is narrower than two edges, single edges
+/// kink.
+inline double stiffness_scale(double mean_edge_length, const FreeComponent& component) {
+  const double edges_across = std::sqrt(component.vertices * std::numbers::sqrt3 / 2);  // of equilateral faces
+  const double size = component.area > 0 ? std::sqrt(component.area) : 1;
+  return mean_edge_length / size * std::clamp(std::pow(edges_across / 63, 2), 0.25, 1.0);
+}
+
+/// Returns the factor of an edge: the mean of those of its ends that are free, where others have 0.
+inline double edge_scale(double one, double other) {
+  return one > 0 && other > 0 ? 0.5 * (one + other) : one + other;
+}
 
 /// Calls `add(i, j, w)` for the rows w (x_i − x_j) of a stiffness. Beside rows of E_R that are integrals they
 /// are those of the intrinsic Delaunay triangulation. Their sum of squares approximates 2 √3 weight² ∫ ‖∂x‖².
