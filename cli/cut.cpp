@@ -101,6 +101,13 @@ CutOptions options_of(const CutArguments& arguments) {
           .pin_side = arguments.pin_side.value_or(PinSide::below)};
 }
 
+// Returns where an error of the cut is on the command line: at an option of the pins, or else at the cut.
+Location option_at(const Location& location, const CutArguments& arguments) {
+  const std::string name = location.text();
+  if (!name.starts_with("pin_")) return Location(arguments.by()) / location;
+  return Location::field("--pin-" + name.substr(std::string_view("pin_").size()));
+}
+
 CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments& arguments,
               const Context& context) {
   const CutOptions options = options_of(arguments);
@@ -109,7 +116,7 @@ CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments
     return cut_by_plane(usable.mesh(), *along.plane, options, context);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw usable.explained(error).within(arguments.by());
+    throw usable.explained(error).at(option_at(error.location(), arguments));
   }
 }
 

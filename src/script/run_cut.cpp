@@ -21,6 +21,14 @@ CutResult cut(const Mesh& mesh, const CutStep& step, const Context& context) {
   return cut_along_loop(mesh, std::get<std::vector<Index>>(step.along), step.options, context);
 }
 
+// Returns where an error of the cut is in its step, whose `pins` are options of the cut.
+Location location_in_step(const Location& location) {
+  const std::string name = location.text();
+  constexpr std::string_view prefix = "pin_";
+  if (!name.starts_with(prefix)) return location;
+  return Location("pins") / Location::field(name.substr(prefix.size()));
+}
+
 std::vector<Index> vertices_beside(const CutResult& result, int side) {
   std::vector<Index> vertices;
   for (Index f = 0; f < result.mesh.face_count(); ++f)
@@ -64,7 +72,7 @@ StepReport run_cut(const EditStep& edit_step, const Location& location,
     if (const auto note = sound.note()) report.notes.push_back(*note);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
-    throw sound.explained(error).within(location);
+    throw sound.explained(error).at(location / location_in_step(error.location()));
   }
   report.notes.insert(report.notes.end(), result.notes.begin(), result.notes.end());
   report.seconds.solve = watch.lap();

@@ -87,7 +87,13 @@ TEST_F(CommandLine, CutsWithCapsAndPins) {
 
   const Outcome thick = run("cut bar.ply --plane z=2.1 --pin-diameter 3 -o thick.ply");
   EXPECT_EQ(thick.status, 3);
-  EXPECT_NE(thick.err.find("no pin of the given size fits"), std::string::npos) << thick.err;
+  EXPECT_NE(thick.err.find("--pin-diameter: no pin of the given size fits"), std::string::npos) << thick.err;
+  const std::string cut = "cut bar.ply --plane z=2.1 -o thick.ply ";
+  for (const char* option : {"--pin-length", "--pin-clearance", "--pin-diameter"}) {
+    const Outcome refused = run(cut + option + "=-1");
+    EXPECT_EQ(refused.status, 3) << option;
+    EXPECT_NE(refused.err.find(std::string("error: ") + option + ":"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(CommandLine, CutsAlongALoop) {

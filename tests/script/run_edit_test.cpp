@@ -164,6 +164,25 @@ TEST_F(RunEdit, MovesCurvesOfAnyCopiesOfTheirVertices) {
   }
 }
 
+TEST_F(RunEdit, SaysWhichSizeOfPinsDoesNotFit) {
+  const auto location_of = [](const std::string& pins) {
+    const std::string text = R"({"format": "meshgraft-edit", "version": 2,
+        "inputs": {"bar": {"sample": "bar", "resolution": 8}},
+        "steps": [{"kind": "cut", "mesh": "bar", "plane": {"point": [0, 0, 2.1], "normal": [0, 0, 1]}, "pins": )";
+    try {
+      run_edit(parse_edit(text + pins + "}]}", "edit.json"));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.id(), "mesh.pins_do_not_fit");
+      return error.location().text();
+    }
+    return std::string("(accepted)");
+  };
+  EXPECT_EQ(location_of(R"({"diameter": 3})"), "edit.json: steps[0].pins.diameter");
+  EXPECT_EQ(location_of(R"({"diameter": 3, "length": 1})"), "edit.json: steps[0].pins.diameter");
+  EXPECT_EQ(location_of(R"({"clearance": 3})"), "edit.json: steps[0].pins.clearance");
+  EXPECT_EQ(location_of(R"({"diameter": 0.2, "length": 1})"), "(accepted)");
+}
+
 TEST_F(RunEdit, LetsWhatItCutComeApart) {
   const std::string cut = R"({"kind": "cut", "name": "halves", "mesh": "sheet",
       "plane": {"point": [0, 5.5, 0], "normal": [0, 1, 0]}, "keep": "both"}, )";

@@ -87,7 +87,8 @@ CutResult cut_at_zero(const Mesh& mesh, std::span<const double> values, const Cu
 ///
 /// Throws Error(input): mesh.plane_misses_mesh where the mesh lies on one side; where a cap is asked for,
 /// mesh.cap_outline_open, mesh.cap_outline_crosses and mesh.cap_inside_out for cuts that have no inside;
-/// mesh.pins_do_not_fit and mesh.no_room_for_pins if no cap takes a pin.
+/// mesh.no_room_for_pins if no cap takes a pin, or mesh.pins_do_not_fit if a size was given, at the option that
+/// gives it.
 CutResult cut_by_plane(const Mesh& mesh, const Plane& plane, const CutOptions& options = {},
                        const Context& context = {});
 

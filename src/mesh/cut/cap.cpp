@@ -91,6 +91,13 @@ std::vector<DeepTriangle> triangles_behind(const CutResult& cut, int side, const
   return triangles;
 }
 
+// Returns the option that gives the size of pins, the diameter first; empty if none does.
+Location given_size(const CutOptions& options) {
+  if (options.pin_diameter) return "pin_diameter";
+  if (options.pin_length) return "pin_length";
+  return options.pin_clearance ? Location("pin_clearance") : Location();
+}
+
 void add_notes(const std::vector<PinFit>& fits, std::vector<Note>& notes) {
   Index empty = 0, left_out = 0, shortened = 0;
   double shortest = std::numeric_limits<double>::infinity();
@@ -330,9 +337,11 @@ std::vector<PinFit> fit_pins(const CutResult& both, const PlaneFrame& frame, con
     fits.push_back(fit_pins(half.points, region, behind, options, context));
   if (std::any_of(fits.begin(), fits.end(), [](const PinFit& fit) { return !fit.centres.empty(); }))
     return fits;
-  if (!options.pin_diameter && !options.pin_length) throw Error(facts::mesh::NoRoomForPins{});
+  const Location size = given_size(options);
+  if (size.empty()) throw Error(facts::mesh::NoRoomForPins{});
   throw Error(facts::mesh::PinsDoNotFit{.diameter = options.pin_diameter.value_or(0),
-                                        .length = options.pin_length.value_or(0)});
+                                        .length = options.pin_length.value_or(0)},
+              size);
 }
 
 void close_cut(CutResult& cut, const PlaneFrame& frame, const std::vector<PinFit>& fits,
