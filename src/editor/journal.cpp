@@ -73,6 +73,7 @@ bool take_line(const Json& line, const fs::path& folder, std::optional<JournalCo
   if (line.contains("undo")) {
     if (!history.can_undo()) return false;
     history.undo();
+    if (line.value("forget", false)) history.forget_undone();
   } else if (line.contains("redo")) {
     if (!history.can_redo()) return false;
     history.redo();
@@ -216,6 +217,10 @@ void Journal::add(const std::string& label, const std::string& before, const std
 
 void Journal::undo() {
   if (started_) write_line({{"undo", true}});
+}
+
+void Journal::withdraw() {
+  if (started_) write_line({{"undo", true}, {"forget", true}});
 }
 
 void Journal::redo() {

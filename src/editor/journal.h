@@ -69,6 +69,8 @@ class Journal {
   // Each of these throws Error(io) with the id editor.journal_not_written where writing fails.
   void add(const std::string& label, const std::string& before, const std::string& after);
   void undo();
+  /// Undoes the last change so that it cannot be redone.
+  void withdraw();
   void redo();
   /// Notes that the current state is saved. `edit`, `sha256`: the file that has it and its hash; empty for a
   /// model that was opened and has no changes left.

@@ -308,17 +308,25 @@ void Workspace::record(const std::string& label, bool begins) {
 }
 
 void Workspace::undo(const Context& context) {
-  if (!history_.can_undo()) throw Error(facts::editor::NothingToUndo{}, "undo");
-  if (show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context))
-    before_set_up_ = history_.position();
+  show_before(context);
   write([](Journal& journal) { journal.undo(); });
   note_whether_saved();
   history_.undo();
 }
 
 void Workspace::withdraw(const Context& context) {
-  undo(context);
+  show_before(context);
+  write([](Journal& journal) { journal.withdraw(); });
+  note_whether_saved();
+  history_.undo();
   history_.forget_undone();
+}
+
+// Shows the document as it was before the last change.
+void Workspace::show_before(const Context& context) {
+  if (!history_.can_undo()) throw Error(facts::editor::NothingToUndo{}, "undo");
+  if (show(checked(parse_document(history_.before().document, document_.edit.base_folder)), context))
+    before_set_up_ = history_.position();
 }
 
 void Workspace::redo(const Context& context) {

@@ -133,6 +133,7 @@ class Workspace {
   bool show(Document next, const Context& context);
   std::optional<bool> show_changed(const Json& changed, const Context& context);
   void record(const std::string& label, bool begins);
+  void show_before(const Context& context);
   void end_set_up();
   std::optional<std::size_t> step_that_ended(const Document& document) const;
   std::optional<std::size_t> set_up_origin() const;

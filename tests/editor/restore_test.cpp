@@ -124,6 +124,26 @@ TEST(Editor, CallsNothingSavedWhereTheEditFileIsNoLongerTheSame) {
   }
 }
 
+TEST(Editor, RestoresNoPartThatWasWithdrawn) {
+  const TemporaryFolder folder;
+  const fs::path model = bar_file(folder);
+  const RunningEditor editor({}, {model});
+  {
+    Page page(editor.url());
+    page.ask({{"do", "open"}, {"path", model.string()}});
+    paint_top(page);
+    page.ask({{"do", "part"}, {"what", "add"}, {"sample", "head"}, {"resolution", 12}});
+    page.ask({{"do", "part"}, {"what", "withdraw"}, {"name", "head"}});
+  }
+  Page page(editor.url());
+  page.ask({{"do", "open"}, {"path", model.string()}});
+  const Json offer = page.event("offer-restore");
+  EXPECT_EQ(offer["changes"], 1);
+  EXPECT_EQ(offer["undone"], 0);
+  page.ask({{"do", "restore"}});
+  EXPECT_EQ(page.ask({{"do", "state"}})["redo"], Json());
+}
+
 TEST(Editor, LetsEachSessionHaveItsOwnJournal) {
   const TemporaryFolder folder;
   const fs::path model = bar_file(folder);
