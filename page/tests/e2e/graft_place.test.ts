@@ -296,3 +296,32 @@ test("a dropped part is removed by Cancel after a reload", async () => {
   expect(await graftOf(user)).toBeNull();
   expect(user.complaints).toEqual([]);
 }, 120_000);
+
+test("a part that is over the surface when the page is reloaded is taken back, and cannot be redone", async () => {
+  const { user } = await open({ models: { "bar.ply": ["bar", "--resolution", "20"] } });
+  const { page } = user;
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.rests();
+  await page.evaluate(async () => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "group", name: "all of it", select: "all" });
+    await editor.graft.beginDrop(() => editor.graft.addPart({ sample: "head", resolution: 20 }, false));
+  });
+  const [left, top, right, bottom] = await boxOnPage(user, "model");
+  await page.mouse.move((left + right) / 2, (top + bottom) / 2, { steps: 4 });
+  await page.waitForFunction(() => window.meshgraft.editor.graft.preview.value !== null);
+  await page.reload();
+  await user.ready();
+  await page.getByText("The page was reloaded").waitFor();
+  await page.waitForFunction(() => {
+    const { editor } = window.meshgraft;
+    return editor.state.value?.undo === "group" && editor.isIdle();
+  });
+  const state = await page.evaluate(() => window.meshgraft.editor.state.value);
+  expect(state).toMatchObject({ parts: [], graft: null, redo: null });
+  await page.reload();
+  await user.ready();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.undo === "group");
+  expect(await page.evaluate(() => window.meshgraft.editor.state.value?.redo)).toBeNull();
+  expect(user.complaints).toEqual([]);
+}, 120_000);
