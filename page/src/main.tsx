@@ -3,7 +3,7 @@ import { makeCommands, type PageActions } from "./app/commands";
 import { Editor } from "./app/editor";
 import { listenForKeys } from "./app/keys";
 import { followPointerKind } from "./app/pointer_kind";
-import { rememberSettings } from "./app/remembered";
+import { followOtherTabs, rememberSettings } from "./app/remembered";
 import { followShownBox } from "./app/shown_box";
 import { takeToken } from "./app/token";
 import { Tour } from "./app/tour";
@@ -17,6 +17,7 @@ import "./style.css";
 
 const view = new ViewSettings();
 rememberSettings({ theme: view.theme, unitsOfFolders: view.unitsOfFolders, grid: view.grid, panels: view.panels });
+followOtherTabs("unitsOfFolders", view.unitsOfFolders);
 const viewport = new Viewport(view);
 const shownBox = followShownBox(viewport);
 const editor = new Editor(takeToken(), viewport, view);
@@ -29,7 +30,7 @@ const dialogs: PageActions = {
   open: () => (editor.dialog.value = "open"),
   save: () => void editor.save(),
   saveAs: () => (editor.dialog.value = "save"),
-  exportMesh: () => (editor.dialog.value = "export"),
+  exportMesh: () => editor.askToExport(),
   help: () => (editor.dialog.value = "help"),
   tour: () => tour.start(),
   skipTour: () => tour.skip(),

@@ -44,3 +44,10 @@ export function rememberSettings(
     effect(() => write(`setting ${name}`, kept.value));
   }
 }
+
+/** Takes over a setting as soon as another tab stores it, so that neither tab overwrites what the other one stored. */
+export function followOtherTabs(name: string, setting: Signal<Readonly<Record<string, string>>>): void {
+  window.addEventListener("storage", (event) => {
+    if (event.key === key(`setting ${name}`)) setting.value = read(`setting ${name}`, setting.value);
+  });
+}

@@ -2,7 +2,7 @@ import { mkdirSync, writeFileSync } from "node:fs";
 import { zipSync, strToU8 } from "three/examples/jsm/libs/fflate.module.js";
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { grafted } from "./grafting";
-import { EditorHarness, run } from "./harness";
+import { EditorHarness, run, type User } from "./harness";
 
 let harness: EditorHarness;
 beforeAll(async () => {
@@ -123,3 +123,29 @@ test("STL and OBJ files are asked for their unit once in each folder, and sizes 
   }
   expect(user.complaints).toEqual([]);
 });
+
+test("the unit of a dropped file is known in other tabs, open or new", async () => {
+  const other = await harness.tab();
+  const { user, folder } = harness;
+  run("sample", "bar", "--resolution", "9", "-o", folder.file("dropped.stl"));
+  const question = (of: User) => of.page.getByRole("region", { name: "Unit of the model" });
+  const sizes = (of: User) => of.page.getByLabel("Status", { exact: true });
+  const drop = async (of: User) => {
+    await of.drop([folder.file("dropped.stl")]);
+    await of.page.waitForFunction(() => window.meshgraft.editor.state.value?.name === "dropped.stl");
+    await of.rests();
+  };
+  await user.page.bringToFront();
+  await open("bar.glb"); // all saved: a drop then opens at once
+  await drop(user);
+  await question(user).getByRole("button", { name: "mm", exact: true }).click();
+  await sizes(user).getByText("1 × 1 × 4 mm").waitFor();
+  for (const tab of [other, await harness.tab()]) {
+    await tab.page.bringToFront();
+    await drop(tab);
+    await sizes(tab).getByText("1 × 1 × 4 mm").waitFor();
+    expect(await question(tab).count()).toBe(0);
+    expect(tab.complaints).toEqual([]);
+    await tab.page.close();
+  }
+}, 120_000);
