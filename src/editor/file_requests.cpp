@@ -133,6 +133,7 @@ void note_changed_inputs(const Document& document, Json& result) {
 
 struct MeshToWrite {
   fs::path file;
+  std::string object{};  ///< name of a part; empty: the model
   std::optional<std::string> morph_target{};
 };
 
@@ -142,7 +143,7 @@ Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context&
     return std::holds_alternative<DeformStep>(step.action) || std::holds_alternative<SculptStep>(step.action);
   });
   if (what.morph_target && !same_faces) throw Error(facts::editor::FacesChange{}, "export.as");
-  const Workspace::Outcome result = workspace.outcome(context);
+  const Workspace::Outcome result = workspace.outcome_of(what.object, context);
   WriteOptions options;
   if (what.morph_target) options.morph_target = MorphTarget{*what.morph_target, result.rest};
   return written_json(write_mesh(result.mesh, what.file, options, context));
@@ -318,7 +319,7 @@ Json Worker::done(const json::Value& message, const Context& context) {
 }
 
 Json Worker::export_mesh(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "path", "as", "name", "overwrite"});
+  const json::Object fields(message, {"id", "do", "path", "mesh", "as", "name", "overwrite"});
   bool is_morph_target = false, overwrite = false;
   fields.optional("as", [&](const json::Value& v) {
     is_morph_target = v.choice<bool>({{"mesh", false}, {"morph-target", true}});
@@ -326,6 +327,7 @@ Json Worker::export_mesh(const json::Value& message, const Context& context) {
   fields.optional("overwrite", [&](const json::Value& v) { overwrite = v.boolean(); });
   fields.required("path");
   MeshToWrite what{output(fields, "path", overwrite)};
+  if (fields.has("mesh")) what.object = object_of(fields)->name;
   if (is_morph_target) {
     what.morph_target = fields.has("name") ? fields.required("name").name() : "edit";
     require_morph_targets(what.file);

@@ -27,13 +27,21 @@ bool is_taken(const EditFile& edit, const std::string& name) {
                      [&](const EditStep& step) { return outcome_of(step) == name; });
 }
 
+// Returns the name, with a number where it is taken.
+std::string free_name(const EditFile& edit, const std::string& name) {
+  std::string free = name;
+  for (int number = 2; is_taken(edit, free); ++number) free = fmt::format("{} {}", name, number);
+  return free;
+}
+
 bool uses(const Json& step, const std::string& name) {
   const auto is_named = [&](const char* field) { return step.contains(field) && step[field] == name; };
   return is_named("mesh") || is_named("target") || is_named("source") || is_named("result");
 }
 
-bool is_alone_about(const EditStep& step, const std::string& name) {
-  return !std::holds_alternative<MergeStep>(step.action) && mesh_of(step) == name && outcome_of(step) == name;
+// Returns whether a step makes a mesh of that name, other than by a graft: it changes it, or divides another.
+bool makes(const EditStep& step, const std::string& name) {
+  return !std::holds_alternative<MergeStep>(step.action) && outcome_of(step) == name;
 }
 
 // Ends the current step and returns the name of the model from then on. Removes the step where it does
@@ -83,8 +91,7 @@ Json file_input(const fs::path& folder, const fs::path& file) {
 
 std::string add_part(Json& document, const EditFile& edit, const Json& input, const std::string& name,
                      bool may_number) {
-  std::string free = name;
-  for (int number = 2; may_number && is_taken(edit, free); ++number) free = fmt::format("{} {}", name, number);
+  const std::string free = may_number ? free_name(edit, name) : name;
   if (is_taken(edit, free)) throw Error(facts::script::NameTaken{.name = name}, "name");
   document["inputs"][free] = input;
   return free;
@@ -92,10 +99,10 @@ std::string add_part(Json& document, const EditFile& edit, const Json& input, co
 
 void remove_part(Json& document, const EditFile& edit, const std::string& name) {
   if (name == model_of(edit)) throw Error(facts::editor::IsModel{.name = name}, "name");
-  if (!document["inputs"].contains(name)) throw Error(facts::editor::PartNotAdded{.name = name}, "name");
+  if (!is_taken(edit, name)) throw Error(facts::editor::PartNotAdded{.name = name}, "name");
   Json kept = Json::array();
   for (std::size_t i = 0; i < edit.steps.size(); ++i)
-    if (!is_alone_about(edit.steps[i], name)) kept.push_back(document["steps"][i]);
+    if (!makes(edit.steps[i], name)) kept.push_back(document["steps"][i]);
   if (std::any_of(kept.begin(), kept.end(), [&](const Json& step) { return uses(step, name); }))
     throw Error(facts::editor::PartInUse{.name = name}, "name");
   document["steps"] = std::move(kept);
@@ -126,6 +133,19 @@ std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step) {
   if (keeps_plane && before.contains("symmetry")) next["symmetry"] = before["symmetry"];
   steps.push_back(std::move(next));
   return steps.size() - 2;
+}
+
+Halves add_halves(Json& document, const EditFile& edit, Json step) {
+  Halves halves{.part = free_name(edit, step["mesh"])};
+  step["keep"] = "below";
+  step["result"] = halves.part;
+  add_mesh_step(document, edit, step);
+  const Document divided = make_document(document, edit.base_folder);
+  document = divided.json;
+  step["keep"] = "above";
+  step.erase("result");
+  halves.step = add_mesh_step(document, divided.edit, std::move(step));
+  return halves;
 }
 
 bool is_grafted(const EditFile& edit, const std::string& name) {

@@ -24,8 +24,8 @@ Json file_input(const std::filesystem::path& folder, const std::filesystem::path
 std::string add_part(Json& document, const EditFile& edit, const Json& input, const std::string& name,
                      bool may_number);
 
-/// Removes a part and the steps that concern it alone. Throws Error(input) for the model, for a name that is
-/// no input, and for a part that a graft uses.
+/// Removes a part and the steps that make or change it. Throws Error(input) for the model, for a name that is
+/// no part, and for a part that other steps use.
 void remove_part(Json& document, const EditFile& edit, const std::string& name);
 
 /// Makes a part the model, on which the following steps work.
@@ -34,6 +34,15 @@ void edit_part(Json& document, const EditFile& edit, const std::string& name);
 /// Adds a step that changes the faces of one mesh, such as a cut. Its `mesh` is the model or a part. Returns
 /// the index of the step.
 std::size_t add_mesh_step(Json& document, const EditFile& edit, Json step);
+
+struct Halves {
+  std::size_t step = 0;   ///< index of the last cut
+  std::string part = {};  ///< name of the new part
+};
+
+/// Adds two cuts that divide the mesh of `step`, a cut without `keep`: the half above stays that mesh, and the
+/// half below becomes a part.
+Halves add_halves(Json& document, const EditFile& edit, Json step);
 
 /// Starts a graft, or changes the one in work. `fields` are those of a merge step; null removes a field, and
 /// only the named values of `settings` change. Throws Error(input) where the part is ambiguous or is the

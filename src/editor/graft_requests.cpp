@@ -10,8 +10,10 @@
 #include "editor/facts.h"
 #include "graft_actions.h"
 #include "graft_messages.h"
+#include "mesh/facts.h"
 #include "mesh_messages.h"
 #include "script/fact_json.h"
+#include "script/facts.h"
 #include "worker.h"
 
 namespace meshgraft::editor {
@@ -125,15 +127,34 @@ Json Worker::loops(const json::Value& message, const Context&) {
 }
 
 Json Worker::cut(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "mesh", "plane", "loop", "keep", "snap", "cap", "pins"});
+  const json::Object fields(message,
+                            {"id", "do", "mesh", "plane", "loop", "keep", "halves", "snap", "cap", "pins"});
   const EditFile& edit = open_one().document().edit;
   require_no_graft(edit, "cut");
+  bool halves = false;
+  fields.optional("halves", [&](const json::Value& v) { halves = v.boolean(); });
+  if (halves && fields.has("keep"))
+    message.fail(facts::script::NotOneOf{.names = std::array{"halves", "keep"}});
   Json step = {{"kind", "cut"}, {"mesh", object_of(fields)->name}};
   for (const char* field : {"plane", "loop", "keep", "snap", "cap", "pins"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
   require_one_of(message, {"plane", "loop"});
+  if (!halves) return cut_once(std::move(step), context);
+  try {
+    Json document = open_one().document().json;
+    const Halves made = add_halves(document, edit, step);
+    Json result = change("cut", document, context, {{"name", made.part}});
+    result["notes"] = open_one().stage().found.at(made.step)["notes"];
+    return result;
+  } catch (const Error& error) {
+    if (error.id() != Fact(facts::mesh::LoopDoesNotPart{}).id()) throw;
+    return cut_once(std::move(step), context);  // the curve opens the surface, and divides nothing
+  }
+}
+
+Json Worker::cut_once(Json step, const Context& context) {
   Json document = open_one().document().json;
-  const std::size_t index = add_mesh_step(document, edit, std::move(step));
+  const std::size_t index = add_mesh_step(document, open_one().document().edit, std::move(step));
   Json result = change("cut", document, context);
   result["notes"] = open_one().stage().found.at(index)["notes"];
   return result;

@@ -1,6 +1,7 @@
 #include "step_actions.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <set>
 
@@ -38,10 +39,36 @@ bool is_produced_by(const Json& json, const std::set<std::string>& steps) {
   return std::ranges::any_of(json, [&](const Json& part) { return is_produced_by(part, steps); });
 }
 
+bool is_other_half(const Json& one, const Json& other) {
+  const auto is_alike = [&](const char* field) {
+    return one.value(field, Json()) == other.value(field, Json());
+  };
+  if (one["kind"] != "cut" || other["kind"] != "cut") return false;
+  const std::set<Json> sides{one.value("keep", Json()), other.value("keep", Json())};
+  return sides == std::set<Json>{"above", "below"} &&
+         std::ranges::all_of(std::array{"mesh", "plane", "loop", "snap", "cap", "pins"}, is_alike);
+}
+
+// Returns the cut of the other half, if the step is one of two cuts that divide an object; else null.
+Json* other_half(Json& steps, std::size_t index) {
+  for (const std::size_t other : {index + 1, index - 1})
+    if (other < steps.size() && is_other_half(steps[index], steps[other])) return &steps[other];
+  return nullptr;
+}
+
+// Makes the fields of one cut those of the cut of the other half.
+void change_other_half(Json& other, Json fields) {
+  const Json keep = fields.value("keep", Json());
+  fields.erase("keep");
+  replace_fields(other, fields);
+  if (keep == "above" || keep == "below") other["keep"] = keep == "above" ? "below" : "above";
+}
+
 }  // namespace
 
 void change_step(Json& document, std::size_t index, const StepChange& change) {
   Json& step = step_at(document, index);
+  if (Json* other = other_half(document["steps"], index)) change_other_half(*other, change.fields);
   Json fields = change.fields;
   if (fields.contains("settings") && fields["settings"].is_object()) {
     replace_settings(step["settings"], fields["settings"]);

@@ -16,6 +16,7 @@ struct StepChange {
   Json poses = Json::object();   ///< by the names of handles of a deform step
 };
 
+/// Changes fields of a step. If it is one of two cuts that divide an object, the other one follows.
 void change_step(Json& document, std::size_t index, const StepChange& change);
 /// Sets the start of a pair of a merge step. Removes its other matches, because they determine a start, too.
 void set_start(Json& document, std::size_t index, std::size_t pair, const Match& start);

@@ -465,6 +465,12 @@ Workspace::Outcome Workspace::outcome(const Context& context) {
   return {state->mesh, state->rest};
 }
 
+Workspace::Outcome Workspace::outcome_of(const std::string& object, const Context& context) {
+  if (object.empty() || object == stage_.model->name) return outcome(context);
+  const MeshState& state = stage_.named(object)->state();
+  return {state.mesh, state.rest};
+}
+
 bool Workspace::is_saved(const fs::path& model) const {
   return source_.journal == model && document_.text == saved_ && !offer();
 }

@@ -105,6 +105,8 @@ export class Editor {
   /** The bounding box of the model at rest, in model units. */
   readonly box = signal<Box | null>(null);
   readonly dialog = signal<DialogName | null>(null);
+  /** The name of the object that the export dialog begins with; empty for the model. */
+  readonly toExport = signal("");
   /** The edit file that a save would overwrite although another program or tab has changed it since it was opened. */
   readonly replacing = signal<string | null>(null);
   /** The document to open once the user has decided about unsaved work. */
@@ -362,6 +364,12 @@ export class Editor {
     this.handedBack.value = true;
     this.connection.close();
     window.close(); // browsers do that only with a tab that a page has opened
+  }
+
+  /** Asks for the file to export an object to: the model, unless a name is given. */
+  askToExport(name = ""): void {
+    this.toExport.value = name;
+    this.dialog.value = "export";
   }
 
   /** Changes the colour of a group and nothing else. */

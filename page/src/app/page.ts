@@ -21,6 +21,8 @@ export interface GraftActions {
   movePlane(offset: number): void;
   /** Returns the centre of a mesh's box, in the mesh's own coordinates. */
   centreOf(mesh: number): Vector3Tuple;
+  /** Returns the box of a mesh as it is shown, in the mesh's own coordinates; null where it is not shown. */
+  boxOf(mesh: number): Box | null;
   /** Returns the pose that the current graft found for the part; null if it found none. */
   foundPose(): Rows4 | null;
   /** Returns a small picture of a rotation of a pair; undefined while the placement of the part is not known. */

@@ -1,4 +1,5 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import type { MeshObject } from "../app/graft/graft";
 import type { Page } from "../app/page";
 import {
   faultOfName,
@@ -165,22 +166,30 @@ export function SaveDialog({ page, onClose }: { page: Page; onClose: () => void 
   );
 }
 
-/** Returns the suggested name of an exported mesh: that of the edit file, or else the model's with an ending. */
-export function exportName(state: Pick<DocumentState, "name" | "edit"> | null): string {
+/** Returns the suggested name of an exported mesh: the part's, that of the edit file, or else the model's with an ending. */
+export function exportName(state: Pick<DocumentState, "name" | "edit"> | null, part = ""): string {
+  if (part !== "") return part.replace(/\s+/g, "_");
   if (state !== null && state.edit !== "") return stemOf(state.edit);
   return `${stemOf(state?.name ?? "model")}_edited`;
 }
 
 const mostFacesChecked = 300_000; // of a mesh that is checked without being asked for
 
-/** Says what the exported file will hold, and what a printer would not take. */
-function Content({ page, extension }: { page: Page; extension: string }) {
+interface ContentProps {
+  page: Page;
+  extension: string;
+  /** The part to export; undefined for the model. */
+  part: MeshObject | undefined;
+}
+
+/** Says what the exported file will hold, and what a printer would not take. Only the model is checked. */
+function Content({ page, extension, part }: ContentProps) {
   const { state, view, printing } = page.editor;
-  const box = page.shownBox.value;
+  const box = part === undefined ? page.shownBox.value : page.graft.boxOf(part.mesh);
   const unit = view.unit.value;
-  const faces = state.value?.model.faces ?? 0;
-  const check = printing.result.value;
-  const isUnchecked = check === null;
+  const faces = part?.faces ?? state.value?.model.faces ?? 0;
+  const check = part === undefined ? printing.result.value : null;
+  const isUnchecked = check === null && part === undefined;
   useEffect(() => {
     if (isUnchecked && faces > 0 && faces <= mostFacesChecked) void printing.check();
   }, [isUnchecked]);
@@ -214,7 +223,9 @@ function ExportWarning({ words }: { words: string }) {
 
 /** Writes the deformed mesh to a file of its own. */
 export function ExportDialog({ page, onClose }: { page: Page; onClose: () => void }) {
-  const state = page.editor.state.value;
+  const { graft, state: document, toExport } = page.editor;
+  const state = document.value;
+  const part = graft.parts.value.find(({ name }) => name === toExport.value);
   const extension = remembered("export format", ".ply");
   const format =
     meshFormats.find((one) => one.extension === extension.value) ?? (meshFormats[0] as MeshFormat);
@@ -223,23 +234,35 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
   const asMorph = isMorph && format.morphTargets === true;
   return (
     <TargetDialog
-      key={format.extension}
+      key={`${format.extension} ${part?.name ?? ""}`}
       page={page}
       title="Export the mesh"
       done="Exported"
       action="Export"
       extension={format.extension}
-      start={{ folder: firstFolder(page), name: exportName(state) }}
+      start={{ folder: firstFolder(page), name: exportName(state, part?.name) }}
       request={(path, overwrite) => ({
         do: "export",
         path,
         overwrite,
+        ...(part !== undefined && { mesh: part.name }),
         ...(asMorph
           ? { as: "morph-target", name: morphName.trim() === "" ? "edit" : morphName.trim() }
           : { as: "mesh" }),
       })}
       onClose={onClose}
     >
+      {graft.parts.value.length > 0 && (
+        <Select
+          label="Object"
+          value={part?.name ?? ""}
+          choices={[
+            { value: "", label: `${state?.model.name ?? ""} (the model)` },
+            ...graft.parts.value.map(({ name }) => ({ value: name, label: name })),
+          ]}
+          onChange={(to) => (toExport.value = to)}
+        />
+      )}
       <Select
         label="Format"
         value={format.extension}
@@ -250,7 +273,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
         onChange={(to) => (extension.value = to)}
       />
       <p class="hint">{format.keeps}</p>
-      {!asMorph && page.editor.graft.mode.value === "deform" && <Content page={page} extension={format.extension} />}
+      {!asMorph && graft.kept.value === undefined && <Content page={page} extension={format.extension} part={part} />}
       {format.morphTargets === true && (
         <Toggle
           label="As a morph target"

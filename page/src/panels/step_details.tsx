@@ -2,7 +2,7 @@ import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
 import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
 import type { Page } from "../app/page";
 import { readStep, type GraftFields } from "../app/graft/graft_step";
-import { closingFields, closingOf, type Pins } from "../app/graft/graft_types";
+import { closingFields, closingOf, type Pins } from "../app/cuts";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
 import { CutClosingFields } from "./graft/cut_closing";

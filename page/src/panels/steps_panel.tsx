@@ -1,6 +1,7 @@
 import { Fragment } from "preact";
 import { useState } from "preact/hooks";
 import type { Page } from "../app/page";
+import { stepWords } from "../app/step_words";
 import { counted } from "../app/units";
 import { CommandLabelButton } from "./command_button";
 import { RepairDetails } from "./repair_details";
@@ -76,7 +77,7 @@ interface RowProps {
 function StepRow({ page, step, index, inWork, open, onOpen }: RowProps) {
   const { editor } = page;
   const [renames, setRenames] = useState(false);
-  const title = step.name ?? `${index + 1}. ${kinds[step.kind].name}`;
+  const title = step.name ?? `${index + 1}. ${stepWords(kinds[step.kind].name, step, editor.state.value?.parts.length === 0)}`;
   const handles = step.kind === "deform" ? counted(step.handles, "handle") : "";
   const main = (
     <>

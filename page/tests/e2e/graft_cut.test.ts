@@ -101,7 +101,7 @@ test("cuts by a plane and along a curve, and keeps the other side instead", asyn
   expect(user.complaints).toEqual([]);
 }, 240_000);
 
-test("a cut is closed by pins and holes, and the other half is had from its step", async () => {
+test("a cut is closed by pins and holes, and the other half can be kept instead", async () => {
   const { harness, user } = await open();
   const { page } = user;
   await harness.openSample("bust", 40);

@@ -1,5 +1,4 @@
-import { describe, expect, test } from "vitest";
-import { closingFields, closingOf } from "../../src/app/graft/graft_types";
+import { expect, test } from "vitest";
 import {
   matchesOf, pairsField, readStep, withMovedMatch, withFields, withMatch, withoutMatch, withPair, withoutPair,
 } from "../../src/app/graft/graft_step";
@@ -59,12 +58,4 @@ test("shows dragged fields on top of the document's", () => {
   expect(dragged).toMatchObject({ normalAngleDeg: 25, shape: "ft05", mirror: { normal: [1, 0, 0] } });
   expect(dragged.pairs).toHaveLength(1);
   expect(withFields(dragged, { mirror: null }).mirror).toBeUndefined();
-});
-
-describe("how a cut is closed", () => {
-  test("is read from the fields of its step as it was written", () => {
-    for (const closing of [{ cap: "open" }, { cap: "flat" }, { cap: "pins", pins: { count: 3 } }] as const)
-      expect(closingOf(closingFields(closing))).toEqual(closing);
-    expect(closingFields({ cap: "pins" })).toEqual({ pins: {} });
-  });
 });

@@ -36,4 +36,5 @@ test("an export is named after the edit file, or after the model", () => {
   expect(exportName({ name: "bust.ply", edit: "" })).toBe("bust_edited");
   expect(exportName({ name: "bust.ply", edit: "/models/portrait.json" })).toBe("portrait");
   expect(exportName(null)).toBe("model_edited");
+  expect(exportName({ name: "bust.ply", edit: "" }, "bust 2")).toBe("bust_2");
 });

@@ -9,10 +9,9 @@ import {
 import { GraftStarts } from "./graft_starts";
 import { noteWords } from "../wording";
 import * as hovering from "./hovering";
-import { closingFields } from "./graft_types";
+import { closingFields, keptFields, otherSide, type Cut, type CutClosing, type CutRequest, type DrawnCurve, type Side } from "../cuts";
 import type {
-  Arrangement, Cut, CutClosing, CutRequest, DrawnCurve, GraftHost, GraftReport, GraftTool, LoopRef, PartSource,
-  SelectionChange, ShownLoop, Side, MeshObject,
+  Arrangement, GraftHost, GraftReport, GraftTool, LoopRef, PartSource, SelectionChange, ShownLoop, MeshObject,
 } from "./graft_types";
 import { LoopCurve } from "./loop_curve";
 import { Throttled } from "../throttled";
@@ -121,6 +120,10 @@ export class Graft {
     if ((hasPreview || lands) && arrangement === "result") meshes.delete(this.source.value?.mesh ?? -1);
     return meshes;
   });
+  /** Returns whether a step made the part by dividing another object. */
+  isHalf(part: MeshObject): boolean {
+    return (this.host.state.value?.steps ?? []).some(({ kind, fields }) => kind === "cut" && (fields as { result?: string }).result === part.name);
+  }
   toggleShown(part: MeshObject): void {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
   }
@@ -244,14 +247,24 @@ export class Graft {
     const request = this.cutRequest(keep);
     const done = request === undefined ? undefined : await this.host.ask(request);
     if (request === undefined || done === undefined) return false;
-    const { notes = [] } = done;
-    if (notes.length > 0) this.host.note("Cut.", notes.map(noteWords).join(" "));
+    this.tellOfCut(request, done);
     batch(() => {
       this.lastCut.value = request;
       this.cutPlane.value = this.cutCurve.value = null;
       this.tool.value = "loops";
+      if (done.name !== undefined) this.arrangement.value = "apart";
     });
     return true;
+  }
+  private tellOfCut({ mesh = this.model.value?.name ?? "", plane }: CutRequest, { name, notes = [] }: Outcome): void {
+    const more = notes.map(noteWords);
+    const [first, second] = plane === undefined ? ["inside", "outside"] : ["blue side", "red side"];
+    if (name !== undefined)
+      this.host.note(
+        `${mesh} is now two objects: ${mesh} (${first}) and ${name} (${second})`,
+        [`${name} is under Parts: hide it, export it, or make it the model.`, ...more].join(" "),
+      );
+    else if (more.length > 0) this.host.note("Cut.", more.join(" "));
   }
   private cutRequest(keep: Side): CutRequest | undefined {
     const { value: plane } = this.cutPlane;
@@ -259,16 +272,16 @@ export class Graft {
     if (this.tool.value === "plane")
       return plane === null
         ? undefined
-        : { do: "cut", mesh: this.nameOf(plane.mesh), keep, plane: plane.plane, ...closingFields(this.cutClosing.value) };
+        : { do: "cut", mesh: this.nameOf(plane.mesh), ...keptFields(keep), plane: plane.plane, ...closingFields(this.cutClosing.value) };
     const [a, b, c, ...rest] = curve?.vertices ?? [];
     if (curve === null || a === undefined || b === undefined || c === undefined) return undefined;
-    return { do: "cut", mesh: this.nameOf(curve.mesh), keep, loop: [a, b, c, ...rest] };
+    return { do: "cut", mesh: this.nameOf(curve.mesh), ...keptFields(keep), loop: [a, b, c, ...rest] };
   }
   /** Undoes the last cut and repeats it with the other side kept. */
   async cutOtherwise(): Promise<void> {
     const { value: last } = this.lastCut;
-    if (last === null || (await this.host.ask({ do: "undo" })) === undefined) return;
-    const other: CutRequest = { ...last, keep: last.keep === "above" ? "below" : "above" };
+    const other = last === null ? undefined : otherSide(last);
+    if (other === undefined || (await this.host.ask({ do: "undo" })) === undefined) return;
     if ((await this.host.ask(other)) !== undefined) this.lastCut.value = other;
   }
 

@@ -1,6 +1,6 @@
 // The data types of a graft in the page.
 import type { Outcome } from "../../engine/connection";
-import type { DocumentState, EngineEvent, PageRequest, Plane, EditSelection } from "../../protocol";
+import type { DocumentState, EngineEvent, PageRequest, EditSelection } from "../../protocol";
 import type { Failure } from "../wording";
 import type { LoopCurve } from "./loop_curve";
 
@@ -28,48 +28,8 @@ export interface ShownLoop {
   readonly curve: LoopCurve;
 }
 
-/** A plane to cut a mesh by, in the coordinates of that mesh. */
-export interface Cut {
-  readonly mesh: number;
-  readonly plane: Plane;
-}
-
-/** A curve being drawn to cut along, through these vertices of a mesh. */
-export interface DrawnCurve {
-  readonly mesh: number;
-  readonly vertices: readonly number[];
-  readonly closed: boolean;
-}
-
-/** Sizes of pins, in model units; those left out follow from the size of the cut. */
-export interface Pins {
-  readonly count?: number;
-  readonly diameter?: number;
-  readonly length?: number;
-  readonly clearance?: number;
-  readonly side?: "above" | "below";
-}
-
-/** How a cut by a plane is closed: not at all, flat, or with pins and holes. */
-export interface CutClosing {
-  readonly cap: "open" | "flat" | "pins";
-  readonly pins?: Pins;
-}
-
-/** Returns the fields of a cut that is closed so. */
-export function closingFields({ cap, pins }: CutClosing): { cap?: "flat"; pins?: Pins } {
-  return cap === "open" ? {} : cap === "flat" ? { cap } : { pins: pins ?? {} };
-}
-
-/** Returns how a cut step is closed, by its fields. */
-export function closingOf(fields: { readonly cap?: string; readonly pins?: Pins }): CutClosing {
-  return fields.pins !== undefined ? { cap: "pins", pins: fields.pins } : { cap: fields.cap === "flat" ? "flat" : "open" };
-}
-
 export type SelectionChange =
   { how: "invert" } | { how: "grow"; rings: number } | { how: "set"; what: EditSelection };
-export type CutRequest = Extract<PageRequest, { do: "cut" }>;
-export type Side = "above" | "below" | "both";
 
 export interface LoopRef {
   readonly mesh: number;

@@ -11,7 +11,7 @@ export function pairingWords(graft: Graft): string | undefined {
 }
 
 function nextAction(graft: Graft): string | undefined {
-  const waiting = graft.parts.value.filter((part) => graft.isShown(part));
+  const waiting = graft.parts.value.filter((part) => graft.isShown(part) && !(graft.isHalf(part) && part.loops === 0));
   if (waiting.length === 0) return undefined;
   const open = waiting.filter((part) => part.loops > 0);
   if (open.length === 0) return "The part is closed: drop it on the surface, or cut it open";

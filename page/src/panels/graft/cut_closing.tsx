@@ -1,4 +1,4 @@
-import type { CutClosing, Pins } from "../../app/graft/graft_types";
+import type { CutClosing, Pins } from "../../app/cuts";
 import type { Unit } from "../../app/units";
 import { NumberField, Segments, Toggle } from "../ui/fields";
 

@@ -1,3 +1,4 @@
+import { otherSide } from "../../app/cuts";
 import type { Page } from "../../app/page";
 import { Button } from "../ui/button";
 import { Segments, Select, Slider } from "../ui/fields";
@@ -33,7 +34,7 @@ export function CutPanel({ page }: { page: Page }) {
               if (value === "plane") page.graft.setPlane(graft.model.value?.mesh ?? -1, 2);
             }}
           />
-          {chosen === "none" && graft.lastCut.value !== null && graft.lastCut.value.keep !== "both" && (
+          {chosen === "none" && graft.lastCut.value !== null && otherSide(graft.lastCut.value) !== undefined && (
             <Button
               label="Keep the other side instead"
               icon="reset"
@@ -114,7 +115,7 @@ function PlaneFields({ page }: { page: Page }) {
             onClick={() => void graft.cut("above")}
           />
           <Button label="Keep red side" onClick={() => void graft.cut("below")} />
-          <Button label="Split, keep both" tip="Cuts the mesh and removes nothing." onClick={() => void graft.cut("both")} />
+          <Button label="Split, keep both" tip="Makes two objects. Each can be hidden, edited and exported." onClick={() => void graft.cut("both")} />
         </div>
       )}
     </>
@@ -140,7 +141,7 @@ function CurveFields({ page }: { page: Page }) {
         onClick={() => void graft.cut("above")}
       />
       <Button label="Keep outside" onClick={() => void graft.cut("below")} />
-      <Button label="Split, keep both" tip="Cuts the mesh and removes nothing." onClick={() => void graft.cut("both")} />
+      <Button label="Split, keep both" tip="Makes two objects. Each can be hidden, edited and exported." onClick={() => void graft.cut("both")} />
       <Button label="Draw again" kind="quiet" onClick={() => (graft.cutCurve.value = null)} />
     </div>
   );

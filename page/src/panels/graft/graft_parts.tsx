@@ -73,6 +73,7 @@ function PartRow({ page, part }: { page: Page; part: MeshObject }) {
             disabled: !idle,
             run: () => void editor.ask({ do: "part", what: "edit", name: part.name }),
           },
+          { label: "Export…", icon: "export", run: () => editor.askToExport(part.name) },
           {
             label: "Remove",
             icon: "remove",

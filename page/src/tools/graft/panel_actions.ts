@@ -1,7 +1,8 @@
 import { Matrix4, Vector3 } from "three";
-import type { Editor } from "../../app/editor";
+import type { Box, Editor } from "../../app/editor";
 import type { Pair, Rows4, StartCandidate, Vector3Tuple } from "../../app/graft/graft_step";
 import type { GraftActions } from "../../app/page";
+import { boxOfPositions } from "../../app/shown_box";
 import { matrixOfRows, rowsOfMatrix } from "../../view/graft/graft_view";
 import { StartPictures } from "../../view/graft/start_pictures";
 import type { Viewport } from "../../view/viewport";
@@ -107,6 +108,11 @@ export class GraftPanelActions implements GraftActions {
 
   centreOf(mesh: number): Vector3Tuple {
     return this.viewport.surfaceOf(mesh)?.sphere().center.toArray() ?? [0, 0, 0];
+  }
+
+  boxOf(mesh: number): Box | null {
+    const surface = this.viewport.surfaceOf(mesh);
+    return surface === undefined ? null : boxOfPositions(surface.positions, surface.offset);
   }
 
   startPicture(pair: Pair, candidate: StartCandidate): Promise<string> | undefined {

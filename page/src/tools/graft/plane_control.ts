@@ -1,5 +1,6 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
-import type { Cut, Graft } from "../../app/graft/graft";
+import type { Cut } from "../../app/cuts";
+import type { Graft } from "../../app/graft/graft";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Viewport } from "../../view/viewport";
 import type { ScreenCamera, ScreenPoint } from "../screen_camera";

@@ -2,7 +2,8 @@ import { effect } from "@preact/signals";
 import {
   BufferGeometry, DoubleSide, Float32BufferAttribute, Group, LineBasicMaterial, LineLoop, Mesh, Quaternion, ShaderMaterial, Vector3,
 } from "three";
-import type { Cut, Graft } from "../../app/graft/graft";
+import type { Cut } from "../../app/cuts";
+import type { Graft } from "../../app/graft/graft";
 import type { Surface } from "../../view/surface/surface";
 import type { Viewport } from "../../view/viewport";
 import type { PlaneControl } from "./plane_control";
