@@ -11,6 +11,7 @@
 #include <meshgraft/io/mesh_io.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "document_actions.h"
 #include "editor/facts.h"
 #include "graft_actions.h"
 #include "io/facts.h"
@@ -83,6 +84,13 @@ Document sample_document(const std::string& name, int resolution, const fs::path
   return make_document(new_edit(name, input), folder);
 }
 
+// Returns the document with a step after its last graft, which is then accepted.
+Document with_accepted_graft(const Document& document) {
+  Json json = document.json;
+  accept_step(json, document.edit);
+  return make_document(json, document.edit.base_folder);
+}
+
 void require_no_input(const fs::path& file, const Document& document) {
   for (const fs::path& input : referenced_files(document.edit))
     for (const fs::path& behind : files_behind(input))
@@ -143,7 +151,7 @@ Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context&
     return std::holds_alternative<DeformStep>(step.action) || std::holds_alternative<SculptStep>(step.action);
   });
   if (what.morph_target && !same_faces) throw Error(facts::editor::FacesChange{}, "export.as");
-  const Workspace::Outcome result = workspace.outcome_of(what.object, context);
+  const Workspace::Outcome result = workspace.outcome_for(what.object, context);
   WriteOptions options;
   if (what.morph_target) options.morph_target = MorphTarget{*what.morph_target, result.rest};
   return written_json(write_mesh(result.mesh, what.file, options, context));
@@ -159,6 +167,22 @@ void Worker::show(std::unique_ptr<Workspace> workspace) {
   if (const auto offer = workspace_->offer()) outbox_.tell("offer-restore", *offer);
 }
 
+// Opens a document. A graft at its end is accepted, unless it is to be resumed or cannot be run.
+std::unique_ptr<Workspace> Worker::workspace_of(Document document, Workspace::Source source, bool resume,
+                                                const Context& context) {
+  const auto open = [&](Document shown) {
+    return std::make_unique<Workspace>(std::move(shown), source, shared_.folders, shared_.numbers, outbox_,
+                                       context);
+  };
+  if (merge_in_work(document.edit) == nullptr || resume) return open(std::move(document));
+  try {
+    return open(with_accepted_graft(document));
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::cancelled) throw;
+    return open(std::move(document));
+  }
+}
+
 // Returns the model files that the field `parts` names.
 std::vector<fs::path> Worker::files_of(const json::Value& parts) {
   std::vector<fs::path> files;
@@ -167,7 +191,7 @@ std::vector<fs::path> Worker::files_of(const json::Value& parts) {
 }
 
 Json Worker::open(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "path", "sample", "resolution", "upload", "parts"});
+  const json::Object fields(message, {"id", "do", "path", "sample", "resolution", "upload", "resume", "parts"});
   require_one_of(message, {"path", "sample", "upload"});
   Document document;
   Workspace::Source source;
@@ -204,8 +228,9 @@ Json Worker::open(const json::Value& message, const Context& context) {
     if (!source.edit.empty()) fields.required("parts").fail(facts::editor::EditFileHasParts{});
     document = with_parts(std::move(document), files_of(fields.required("parts")));
   }
-  show(std::make_unique<Workspace>(std::move(document), std::move(source), shared_.folders, shared_.numbers,
-                                   outbox_, context));
+  bool resume = false;
+  fields.optional("resume", [&](const json::Value& v) { resume = v.boolean(); });
+  show(workspace_of(std::move(document), std::move(source), resume, context));
   std::vector<FileNote> notes = workspace_->notes_on_inputs({}, shared_.upload_folder);
   for (const Note& note : workspace_->document().edit.notes) notes.push_back({note, {}});
   return {{"name", workspace_->source().name}, {"notes", file_notes_json(notes)}};

@@ -184,6 +184,16 @@ void cancel_graft(Json& document, const EditFile& edit) {
   steps.push_back(empty_step(merge->target));
 }
 
+void resume_graft(Json& document, const EditFile& edit) {
+  const std::size_t count = edit.steps.size();
+  const DeformStep* last = deform_in_work(edit);
+  const bool follows_graft = last != nullptr && !is_ready(*last) && count > 1 &&
+                             std::holds_alternative<MergeStep>(edit.steps[count - 2].action) &&
+                             last->mesh == outcome_of(edit.steps[count - 2]);
+  if (!follows_graft) throw Error(facts::editor::NoGraftToResume{}, "graft");
+  document["steps"].erase(count - 1);
+}
+
 std::string part_of_last_change(const History& history) {
   if (!history.can_undo() || history.label() != "add_part") return {};
   const Json before = Json::parse(history.before().document), now = Json::parse(history.current());

@@ -44,6 +44,9 @@ struct Halves {
 /// half below becomes a part.
 Halves add_halves(Json& document, const EditFile& edit, Json step);
 
+/// Makes the graft that was accepted last the one in work. Throws Error(usage) if other steps follow it.
+void resume_graft(Json& document, const EditFile& edit);
+
 /// Starts a graft, or changes the one in work. `fields` are those of a merge step; null removes a field, and
 /// only the named values of `settings` change. Throws Error(input) where the part is ambiguous or is the
 /// model itself.

@@ -10,7 +10,6 @@
 #include "editor/facts.h"
 #include "graft_actions.h"
 #include "graft_messages.h"
-#include "mesh/facts.h"
 #include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "script/facts.h"
@@ -147,7 +146,7 @@ Json Worker::cut(const json::Value& message, const Context& context) {
     result["notes"] = open_one().stage().found.at(made.step)["notes"];
     return result;
   } catch (const Error& error) {
-    if (error.id() != Fact(facts::mesh::LoopDoesNotPart{}).id()) throw;
+    if (error.id() != "mesh.loop_does_not_part") throw;
     return cut_once(std::move(step), context);  // the curve opens the surface, and divides nothing
   }
 }
@@ -183,11 +182,12 @@ Json Worker::with_graft(Json given) {
 }
 
 Json Worker::graft(const json::Value& message, const Context& context) {
-  enum class What { set, cancel, swap };
+  enum class What { set, cancel, resume, swap };
   const json::Object fields(message, graft_fields_and({"id", "do", "what", "with_part"}));
   What what = What::set;
   fields.optional("what", [&](const json::Value& v) {
-    what = v.choice<What>({{"set", What::set}, {"cancel", What::cancel}, {"swap", What::swap}});
+    what = v.choice<What>(
+        {{"set", What::set}, {"cancel", What::cancel}, {"resume", What::resume}, {"swap", What::swap}});
   });
   const EditFile& edit = open_one().document().edit;
   const Json given = graft_fields_of(fields);
@@ -204,15 +204,17 @@ Json Worker::graft(const json::Value& message, const Context& context) {
     const std::string part = part_of_drop(history);
     if (part == merge_in_work(edit)->source) remove_part(document, edit, part);
   }
+  if (what == What::resume) resume_graft(document, edit);
   if (what == What::swap) swap_graft(document, edit);
   const bool is_drop =
       starts && with_part && document["steps"].back()["source"] == part_of_last_change(history);
   if (is_drop)
     open_one().extend_change("drop_part", document, context);
   else
-    open_one().change(what == What::cancel ? "cancel_graft"
-                      : starts             ? "start_graft"
-                                           : "graft",
+    open_one().change(what == What::cancel   ? "cancel_graft"
+                      : what == What::resume ? "resume_graft"
+                      : starts               ? "start_graft"
+                                             : "graft",
                       document, context);
   tell_change();
   return shown_graft();

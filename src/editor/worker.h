@@ -73,6 +73,8 @@ class Worker {
   Json shown_graft();  ///< number of the shown graft, and the placement of a dropped source
   Json change(const std::string& label, const Json& document, const Context& context,
               Json result = Json::object());
+  std::unique_ptr<Workspace> workspace_of(Document document, Workspace::Source source, bool resume,
+                                          const Context& context);
   Json cut_once(Json step, const Context& context);  ///< adds one cut
   Json shown(Json result = Json::object());  ///< adds the number of the pose whose frames show the change
 

@@ -465,7 +465,7 @@ Workspace::Outcome Workspace::outcome(const Context& context) {
   return {state->mesh, state->rest};
 }
 
-Workspace::Outcome Workspace::outcome_of(const std::string& object, const Context& context) {
+Workspace::Outcome Workspace::outcome_for(const std::string& object, const Context& context) {
   if (object.empty() || object == stage_.model->name) return outcome(context);
   const MeshState& state = stage_.named(object)->state();
   return {state.mesh, state.rest};

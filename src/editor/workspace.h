@@ -71,7 +71,7 @@ class Workspace {
   };
   Outcome outcome(const Context& context);
   /// The same of an object of that name. An empty name is that of the model.
-  Outcome outcome_of(const std::string& object, const Context& context);
+  Outcome outcome_for(const std::string& object, const Context& context);
 
   /// Stores the shown result of the last step, so that a following step can start from it without a new
   /// solve.

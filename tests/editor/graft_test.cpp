@@ -430,11 +430,30 @@ TEST_F(GraftEditor, OpensAGraftThatWasSaved) {
   const Frame frame = shown(graft({{"source", "head"}, {"normal_angle_deg", 5}}));
   saved("graft.json");
   Page other(editor_.url());
-  other.ask({{"do", "open"}, {"path", "graft.json"}});
+  other.ask({{"do", "open"}, {"path", "graft.json"}, {"resume", true}});
   const Json now = other.ask({{"do", "state"}});
   EXPECT_EQ(now["graft"]["step"]["normal_angle_deg"], 5);
   EXPECT_EQ(now["model"]["name"], "bust");
   EXPECT_EQ(other.frame(6).numbers.at("positions"), frame.numbers.at("positions"));
+}
+
+TEST_F(GraftEditor, AnOpenedGraftIsAcceptedAndCanBeEditedAgain) {
+  open_bust_and_head();
+  const Frame frame = shown(graft({{"source", "head"}}));
+  saved("graft.json");
+  Page other(editor_.url());
+  other.ask({{"do", "open"}, {"path", "graft.json"}});
+  const Json opened = other.ask({{"do", "state"}});
+  EXPECT_EQ(opened["graft"], Json());
+  EXPECT_EQ(opened["dirty"], false);
+  EXPECT_EQ(opened["model"]["vertices"], frame.header["vertices"]);
+  other.ask({{"do", "graft"}, {"what", "resume"}});
+  const Json resumed = other.ask({{"do", "state"}});
+  EXPECT_EQ(resumed["graft"]["step"]["source"], "head");
+  EXPECT_EQ(resumed["undo"], "resume_graft");
+  EXPECT_EQ(other.refusal({{"do", "graft"}, {"what", "resume"}})["id"], "editor.no_graft_to_resume");
+  other.ask({{"do", "undo"}});
+  EXPECT_EQ(other.ask({{"do", "state"}})["graft"], Json());
 }
 
 /// The first step is a graft; the second cuts its result.

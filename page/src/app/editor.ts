@@ -555,8 +555,8 @@ export class Editor {
   }
 
   // If all changes are saved, the edit file contains them. Otherwise the journal of the opened file does.
-  private requestToReopen({ dirty, edit }: DocumentState, opened: OpenRequest): OpenRequest {
-    return !dirty && edit !== "" ? { do: "open", path: edit } : opened;
+  private requestToReopen({ dirty, edit, graft }: DocumentState, opened: OpenRequest): OpenRequest {
+    return !dirty && edit !== "" ? { do: "open", path: edit, ...(graft !== null && { resume: true }) } : opened;
   }
 
   /** Reopens the document after a lost connection or a reload. */

@@ -69,6 +69,7 @@ const changes: Record<Change, string> = {
   remove_group: "removed group",
   symmetry_off: "symmetry off",
   symmetry: "symmetry",
+  resume_graft: "editing a graft again",
   start_graft: "start of a graft",
   cancel_graft: "cancelled graft",
   colour: "colour of a group",

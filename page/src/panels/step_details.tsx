@@ -9,6 +9,7 @@ import { CutClosingFields } from "./graft/cut_closing";
 import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
 import { StepNotes } from "./step_notes";
+import { Button } from "./ui/button";
 import { degrees, Segments, Select, Slider } from "./ui/fields";
 import { More } from "./ui/section";
 
@@ -132,11 +133,28 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       />
       <ShapeField step={step} keep={keep} />
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
+      <EditAgain page={page} index={index} />
       <More label="More options">
         <BlendColours page={page} step={step} keep={keep} />
         <LoopToggles step={step} keep={keep} />
       </More>
     </div>
+  );
+}
+
+/** Takes up an accepted graft again, while nothing follows it: pairs, matches, placement and fixed areas are in its panel. */
+function EditAgain({ page, index }: Pick<DetailsProps, "page" | "index">) {
+  const { editor } = page;
+  const steps = editor.state.value?.steps ?? [];
+  const isLast = index === steps.length - 2 && steps.at(-1)?.kind === "deform" && steps.at(-1)?.handles === 0;
+  if (!isLast) return <p class="hint">To change pairs, placement or fixed areas, undo or remove the later steps first.</p>;
+  return (
+    <Button
+      label="Edit pairs and placement…"
+      icon="connected"
+      tip="Takes up the graft again, with its pairs, rotations, placement and fixed areas."
+      onClick={() => void editor.ask({ do: "graft", what: "resume" })}
+    />
   );
 }
 

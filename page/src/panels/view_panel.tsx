@@ -46,7 +46,7 @@ export function ViewPanel({ page }: { page: Page }) {
         label="Heat map"
         value={view.heatMap.value}
         choices={heatMaps}
-        help="Stretch: how much the surface has grown or shrunk. Detail: how far vertices stand out from their neighbours. Seam: how sharply the surface bends at the seam of the graft being edited."
+        help="Stretch: how much the surface has grown or shrunk. Detail: how far vertices stand out from their neighbours. Seam: how sharply the surface bends at the seam of the latest graft."
         onChange={(to) => (view.heatMap.value = to)}
       />
       {view.heatMap.value === "stretch" && (

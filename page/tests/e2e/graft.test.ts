@@ -58,6 +58,13 @@ test("shows how the seam bends, and the result's edges", async () => {
   await user.page.getByRole("radio", { name: "Apart" }).or(user.page.getByText("Apart", { exact: true })).first().click();
   await user.rests();
   expect(await legend.getByText("Bend angle").isVisible()).toBe(false);
+
+  await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
+  await user.settle();
+  await legend.getByText("Bend angle at the seam").waitFor();
+  await user.rests();
+  expect(Number(/([\d.]+)°$/.exec((await legend.textContent()) ?? "")?.[1])).toBeCloseTo(largest, 0);
+  await user.screenshot("graft-seam-bends-accepted");
   expect(user.complaints).toEqual([]);
 });
 
@@ -244,3 +251,25 @@ test("keeps the pose of a part that the gizmo moves, and what is painted fixed",
   await user.screenshot("graft-fixed-painted");
   expect(user.complaints).toEqual([]);
 }, 240_000);
+
+test("the graft of an opened edit is accepted, and its step takes it up again", async () => {
+  const { harness, user } = await openWithPart("bust", "head", 24, true);
+  const { page } = user;
+  await grafted(user);
+  const edit = harness.folder.file("portrait.json");
+  await page.evaluate(async (edit) => void (await window.meshgraft.editor.ask({ do: "save", edit })), edit);
+  await harness.openFile(edit);
+  expect(await graftOf(user)).toBeNull();
+  await page.getByRole("tab", { name: "Deform" }).click();
+  if ((await page.getByRole("list", { name: "Steps" }).count()) === 0) await page.getByText("Steps", { exact: true }).click();
+  await page.getByText("1. Graft: head on bust").click();
+  await user.screenshot("steps-graft-again");
+  await user.click("Edit pairs and placement…");
+  await grafted(user);
+  await page.getByText("Manual", { exact: true }).click();
+  await grafted(user);
+  expect(await graftOf(user)).toMatchObject({ pose: "keep" });
+  await user.press("Control+Enter");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
+  expect(user.complaints).toEqual([]);
+}, 120_000);

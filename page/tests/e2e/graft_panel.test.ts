@@ -197,7 +197,7 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
   expect(((await fields(1))["plane"] as { point: number[] }).point[0]).toBe(-0.1);
   await user.screenshot("steps-refused");
 
-  await steps.getByText("1. Graft").click();
+  await steps.getByText("1. Graft: head on bust").click();
   await typed("Tilt", "20");
   await typed("Twist by", "90");
   const changed = await fields(0);

@@ -19,6 +19,8 @@ export class GraftView {
   private readonly ghost = new Ghost();
   private preview: { message: BinaryMessage; surface: Surface } | undefined;
   private readonly directions = new Map<string, Vector3Tuple>(); // directions of parts as seen from the model
+  private lastSeam: { vertexCount: number; vertices: Uint32Array } | undefined; // of the last result shown
+  private seamShownOn: Surface | undefined; // the model that has this seam
   private framedKey = ""; // key of the objects in the last framed picture
 
   constructor(
@@ -94,6 +96,7 @@ export class GraftView {
     this.group.matrix.copy(target?.matrixWorld ?? new Matrix4());
     this.group.updateMatrixWorld(true);
     this.showPreview(on);
+    this.keepSeam();
     this.drawLoops(on, shows);
     this.drawLines(on, shows);
     this.drawGhost(on);
@@ -153,7 +156,9 @@ export class GraftView {
     if (message !== null && this.preview === undefined) {
       const surface = this.viewport.surfaceFrom(message);
       surface.setTint(tintOf(message, surface.vertexCount));
-      surface.heat.setSeam(verticesFrom(message, 2));
+      this.lastSeam = { vertexCount: surface.vertexCount, vertices: verticesFrom(message, 2) };
+      this.seamShownOn = undefined;
+      surface.heat.setSeam(this.lastSeam.vertices);
       this.preview = { message, surface };
       this.group.add(surface.object);
     }
@@ -161,6 +166,14 @@ export class GraftView {
     if (this.preview !== undefined) this.preview.surface.object.visible = isShown;
     untracked(() => this.viewport.showReplacement(isShown ? this.preview?.surface : undefined));
     if (before !== this.preview) before?.surface.dispose();
+  }
+
+  // Gives the model the seam of the graft that it came from, so that its heat map outlives the graft.
+  private keepSeam(): void {
+    const { main } = this.viewport;
+    if (main === undefined || main === this.seamShownOn || main.vertexCount !== this.lastSeam?.vertexCount) return;
+    this.seamShownOn = main;
+    main.heat.setSeam(this.lastSeam.vertices);
   }
 
   private drawLoops(on: boolean, shows: ReadonlySet<number>): void {
