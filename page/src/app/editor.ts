@@ -109,6 +109,8 @@ export class Editor {
   readonly toExport = signal("");
   /** The edit file that a save would overwrite although another program or tab has changed it since it was opened. */
   readonly replacing = signal<string | null>(null);
+  /** Counts the times that files were written, so that lists of files are renewed. */
+  readonly filesWritten = signal(0);
   /** The document to open once the user has decided about unsaved work. */
   readonly pendingOpen = signal<PendingOpen | null>(null);
   readonly isOpen = computed(() => this.state.value !== null);
@@ -417,6 +419,7 @@ export class Editor {
 
   /** Reports the files that were written and the engine's notes on them. */
   tellFiles(done: string, outcome: Outcome): void {
+    ++this.filesWritten.value;
     const files = (outcome.files ?? []).map((file) => (typeof file === "string" ? file : file.name));
     const remedy = (outcome.notes ?? []).map(noteWords).join("\n");
     this.tell("note", { problem: done, location: files.join("\n"), remedy }, { topic: "written" });
@@ -577,11 +580,13 @@ export class Editor {
     else if (this.link.value === "open") this.offer.value = offer; // the message says why; the user may try again
   }
 
-  /** Takes the unit of the folder, or of the dropped file, that the open document is from. */
+  /** Takes the unit of the folder, or of the dropped file, that the open document is from, and the model's up axis. */
   private followFolder(): void {
     const { value: opened } = this.opened;
     if (opened === undefined) return;
-    this.view.folder.value = this.openedFolder ?? (opened.upload === undefined ? "samples" : keyOfUpload(opened.upload));
+    const upload = opened.upload === undefined ? undefined : keyOfUpload(opened.upload);
+    this.view.folder.value = this.openedFolder ?? upload ?? "samples";
+    this.view.model.value = opened.path ?? upload ?? `sample ${opened.sample ?? ""}`;
   }
 
   /** Remembers the open document for a reload, and whether it has unsaved changes, restored or not, for the lists. */

@@ -4,6 +4,8 @@ import type { Unit } from "./units";
 export type Shading = "clay" | "smooth" | "flat" | "texture" | "vertex-colours";
 export type HeatMap = "none" | "stretch" | "seam" | "detail"; // detail: ‖δ‖; seam: of the current graft
 
+export type Up = "auto" | "y" | "z";
+
 /** The settings of the display, changed by panels and read by the view. */
 export class ViewSettings {
   readonly shading = signal<Shading>("clay");
@@ -28,12 +30,22 @@ export class ViewSettings {
   readonly isUnitUnknown = computed(
     () => this.fileUnit.value === "none" && this.unitsOfFolders.value[this.folder.value] === undefined,
   );
-  readonly up = signal<"auto" | "y" | "z">("auto"); // the vertical axis; auto: as in the model
+  /** The vertical axis of models, as the user chose it, by `model`. */
+  readonly upsOfModels = signal<Readonly<Record<string, "y" | "z">>>({});
+  /** The path of the shown model. Without one: its sample, or the name and size of a dropped file. */
+  readonly model = signal("");
+  /** The vertical axis; auto: as in the model. */
+  readonly up = computed((): Up => this.upsOfModels.value[this.model.value] ?? "auto");
   readonly orthographic = signal(false);
   readonly grid = signal(true); // on the ground
   readonly panels = signal(true); // at the right of the view
   readonly lessWhileMoving = signal(true); // fewer pixels while the view or a handle moves, if rendering is slow
 
+  /** Takes the vertical axis that the user chose for the shown model. */
+  chooseUp(up: Up): void {
+    const { [this.model.value]: _, ...others } = this.upsOfModels.value;
+    this.upsOfModels.value = up === "auto" ? others : { ...others, [this.model.value]: up };
+  }
   /** Takes the unit that the file of the shown model names. */
   setFileUnit(unit: Unit): void {
     if (unit !== this.fileUnit.value) this.otherUnit.value = null;

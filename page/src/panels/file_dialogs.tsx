@@ -323,6 +323,7 @@ export function OpenDialog({ page, onClose }: { page: Page; onClose: () => void 
             folder={folder}
             onFolder={setFolder}
             listing={listing}
+            pictures
             onFile={(path) => editor.openInstead({ do: "open", path })}
           />
         )}

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Page } from "../app/page";
 import { compareNames, baseName, folderOf, joined } from "../app/paths";
 import { formatBytes } from "../app/units";
+import { Thumbnail } from "./graft/thumbnail";
 import { Icon } from "./ui/icon";
 
 export interface Entry {
@@ -35,7 +36,7 @@ export function useListing(page: Page, folder: string | null): Listing | undefin
     return () => {
       wanted = false;
     };
-  }, [folder]);
+  }, [folder, page.editor.filesWritten.value]);
   return listing;
 }
 
@@ -47,14 +48,23 @@ interface BrowserProps {
   /** Absent: files are shown but cannot be chosen. */
   onFile?: (path: string, entry: Entry) => void;
   shows?: (entry: Entry) => boolean;
+  /** Shows pictures of the models. */
+  pictures?: boolean;
 }
 
+const mostUnsearched = 8; // entries of a list that needs no search
+
 /** Shows the folders that may be used, and their content. */
-export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }: BrowserProps) {
+export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, pictures = false }: BrowserProps) {
   const roots = page.editor.welcome.value?.folders ?? [];
   const isRoot = folder === null || roots.includes(folder);
-  const files = (listing?.files ?? []).filter((entry) => shows?.(entry) !== false);
-  const isEmpty = listing !== undefined && listing.folders.length === 0 && files.length === 0;
+  const [search, setSearch] = useState("");
+  useEffect(() => setSearch(""), [folder]);
+  const allFiles = (listing?.files ?? []).filter((entry) => shows?.(entry) !== false);
+  const isFound = (name: string) => name.toLowerCase().includes(search.trim().toLowerCase());
+  const folders = (listing?.folders ?? []).filter((name) => isFound(baseName(name)));
+  const files = allFiles.filter(({ name }) => isFound(name));
+  const isEmpty = listing !== undefined && folders.length === 0 && files.length === 0;
   return (
     <div class="browser">
       <div class="browser-path">
@@ -71,8 +81,18 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
           {folder === null ? "Folders" : shortened(folder)}
         </code>
       </div>
+      {(listing?.folders.length ?? 0) + allFiles.length > mostUnsearched && (
+        <input
+          type="search"
+          class="browser-search"
+          aria-label="Search this folder"
+          placeholder="Search this folder"
+          value={search}
+          onInput={(event) => setSearch(event.currentTarget.value)}
+        />
+      )}
       <ul class="list browser-list" aria-label="Files">
-        {(listing?.folders ?? []).map((name) => (
+        {folders.map((name) => (
           <li key={name}>
             <button
               type="button"
@@ -92,7 +112,11 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows }
               disabled={onFile === undefined || folder === null}
               onClick={() => folder !== null && onFile?.(joined(folder, entry.name), entry)}
             >
-              <Icon name={entry.kind} size={16} />
+              {pictures && entry.kind === "model" && folder !== null ? (
+                <Thumbnail page={page} of={{ path: joined(folder, entry.name) }} size={28} />
+              ) : (
+                <Icon name={entry.kind} size={16} />
+              )}
               <span class="list-name">{entry.name}</span>
               <small>{entry.unsaved ? "unsaved work" : formatBytes(entry.bytes)}</small>
             </button>

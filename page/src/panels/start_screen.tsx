@@ -5,7 +5,7 @@ import { baseName, folderOf } from "../app/paths";
 import { recentIn, wasLeftUnsaved } from "../app/recent";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
-import { Thumbnail } from "./graft/graft_library";
+import { Thumbnail } from "./graft/thumbnail";
 import { Button } from "./ui/button";
 import { Icon, Mark } from "./ui/icon";
 
@@ -136,6 +136,7 @@ function Folders({ page }: { page: Page }) {
       folder={folder}
       onFolder={setFolder}
       listing={listing}
+      pictures
       onFile={(path) => void page.editor.open({ do: "open", path })}
     />
   );

@@ -107,8 +107,8 @@ export function ViewPanel({ page }: { page: Page }) {
           { value: "y", label: "Y" },
           { value: "z", label: "Z" },
         ]}
-        help="The axis that points up."
-        onChange={(to) => (view.up.value = to)}
+        help="The axis of this model that points up. It is remembered."
+        onChange={(to) => view.chooseUp(to)}
       />
       <Select
         label="Unit"

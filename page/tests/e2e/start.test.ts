@@ -1,5 +1,5 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { EditorHarness } from "./harness";
+import { EditorHarness, putSample } from "./harness";
 
 let harness: EditorHarness;
 beforeAll(async () => {
@@ -47,3 +47,29 @@ test("tells which models have unsaved work, and restores it", async () => {
   await user.click("Restore");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.handles[0]?.name === "tip");
 });
+
+test("models of a folder have pictures, and are found by their names", async () => {
+  const files = Object.fromEntries(Array.from({ length: 10 }, (_, i) => [`scan ${i}.ply`, ["bar", "--resolution", "8"]]));
+  const folder = await EditorHarness.open({ files });
+  const { user } = folder;
+  const { page } = user;
+  const list = page.getByRole("list", { name: "Files" });
+  await list.locator("img.thumbnail").first().waitFor();
+  const search = page.getByRole("searchbox", { name: "Search this folder" });
+  await search.fill("SCAN 7");
+  expect(await list.getByRole("listitem").count()).toBe(1);
+  await user.screenshot("start-search");
+  await search.fill("no such");
+  await list.getByText("No matching files here.").waitFor();
+  await search.fill("");
+  expect(await list.getByRole("listitem").count()).toBe(10);
+
+  // A file that is written appears in the list that is open.
+  putSample(["bar", "--resolution", "8"], folder.folder.file("other.ply"));
+  await page.evaluate(() => ++window.meshgraft.editor.filesWritten.value);
+  await list.getByText("other.ply").waitFor();
+  await list.getByText("scan 3.ply").click();
+  await user.opened();
+  expect(user.complaints).toEqual([]);
+  await folder.close();
+}, 60_000);

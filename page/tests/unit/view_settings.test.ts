@@ -1,4 +1,4 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, test } from "vitest";
 import { asksForUnit } from "../../src/app/unit_question";
 import { ViewSettings } from "../../src/app/view_settings";
 
@@ -58,4 +58,17 @@ describe("the unit of lengths", () => {
     view.chooseUnit("mm");
     expect(asks("/scans", "/scans/leg.stl")).toBe(false);
   });
+});
+
+test("the up axis is remembered for each model", () => {
+  const view = new ViewSettings();
+  view.model.value = "/scans/arm.stl";
+  expect(view.up.value).toBe("auto");
+  view.chooseUp("y");
+  view.model.value = "/scans/leg.stl";
+  expect(view.up.value).toBe("auto");
+  view.model.value = "/scans/arm.stl";
+  expect(view.up.value).toBe("y");
+  view.chooseUp("auto");
+  expect(view.upsOfModels.value).toEqual({});
 });

@@ -1,10 +1,11 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import type { PartSource } from "../../app/graft/graft";
 import type { Pictured } from "../../app/library";
 import type { Page } from "../../app/page";
 import { baseName, joined } from "../../app/paths";
 import { takePartFile } from "../drop";
 import { useListing } from "../folder_browser";
+import { Thumbnail } from "./thumbnail";
 import { Button, IconButton } from "../ui/button";
 import { Icon } from "../ui/icon";
 import { Section } from "../ui/section";
@@ -167,33 +168,6 @@ function Card({ page, offered }: { page: Page; offered: Offered }) {
       />
     </li>
   );
-}
-
-/** A small picture, or an icon while there is none. A new `version` requests a new picture under the same name. */
-export function Thumbnail({
-  page,
-  of,
-  version = 0,
-  size = 72,
-}: {
-  page: Page;
-  of: Pictured;
-  version?: number;
-  size?: number;
-}) {
-  const { library } = page.editor;
-  const { value: picture } = library.picture(of, version);
-  useEffect(() => library.show(of, version), [JSON.stringify(of), version]);
-  if (picture === null || picture === "none")
-    return (
-      <span
-        class={`thumbnail ${picture === null ? "busy" : ""}`}
-        style={{ width: `${size}px`, height: `${size}px` }}
-      >
-        <Icon name="model" size={size / 2} />
-      </span>
-    );
-  return <img class="thumbnail" src={picture} width={size} height={size} alt="" draggable={false} />;
 }
 
 function stem(path: string): string {

@@ -1,7 +1,7 @@
 import type { MeshObject } from "../../app/graft/graft";
 import type { Page } from "../../app/page";
 import { counted } from "../../app/units";
-import { Thumbnail } from "./graft_library";
+import { Thumbnail } from "./thumbnail";
 import { IconButton } from "../ui/button";
 import { Menu } from "../ui/menu";
 import { Section } from "../ui/section";
