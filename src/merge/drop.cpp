@@ -70,7 +70,12 @@ void retry_in_hole(Trial& trial, const Mesh& source, const Context& context) {
   DropResult& drop = trial.drop;
   MergeOptions options = drop.options;
   options.retry = true;
-  drop.merge = merge_meshes(trial.hole.target, source, trial.hole.pairs, options, context);
+  try {
+    drop.merge = merge_meshes(trial.hole.target, source, trial.hole.pairs, options, context);
+  } catch (const Error& error) {
+    if (error.id() != facts::merge::PairsInvertSource::id) throw;
+    return;  // no other setting helps
+  }
   if (const double angle_deg = drop.merge.report.retry.normal_angle_deg; angle_deg != 0)
     drop.options.normal_angle_deg = angle_deg;
   drop.intersections = count_intersections(source, drop.merge, context);

@@ -5,12 +5,15 @@
 #include <limits>
 #include <utility>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/mesh/cut.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "core/stopwatch.h"
 #include "graft_meshes.h"
+#include "match_loops.h"
 #include "match_meshes.h"
+#include "merge/facts.h"
 #include "merge_notes.h"
 #include "report_pair.h"
 #include "retry.h"
@@ -36,6 +39,24 @@ void drop_used_cut_normals(Mesh& mesh) {
     used |= std::isfinite(kept->values[k]);
   }
   if (!used) mesh.attributes.erase(kept);
+}
+
+/// Throws Error(input) where several loops of one piece of the source lie so differently from those that they
+/// meet that the piece turns inside out.
+void require_no_inverting_pairs(const MatchedMeshes& matched, const GraftedSource& grafted) {
+  // Measured: of random grafts with several pairs, those that stay inverted have loops 1.4 radii apart or more
+  // (docs/merging.md, "Random grafts").
+  constexpr double far_apart = 1;
+  const Index inverted = grafted.found.shape.inverted;
+  if (inverted == 0) return;
+  for (const std::vector<std::size_t>& members : pairs_by_component(matched.geometry, matched.component)) {
+    const std::size_t worst =
+        *std::ranges::max_element(members, {}, [&](std::size_t p) { return grafted.misfits_rel[p]; });
+    const double radii = grafted.misfits_rel[worst];
+    if (members.size() < 2 || radii <= far_apart) continue;
+    throw Error(facts::merge::PairsInvertSource{.pair = worst, .radii = radii, .vertices = inverted},
+                matched.geometry[worst].location);
+  }
 }
 
 }  // namespace
@@ -69,6 +90,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   const bool may_retry =
       options.retry && options.shape == MergeShape::similar && options.pose == MergePose::find;
   if (may_retry && made.faults() > 0) report.retry = retry_graft(matched, pairs, options, context, made);
+  if (may_retry) require_no_inverting_pairs(matched, made.grafted);
   report.retry_seconds = watch.lap();
 
   const FoundGraft& found = made.grafted.found;

@@ -42,27 +42,32 @@ TEST(FiveHundredGrafts, AreValid) {
 }
 
 TEST(FiveHundredFoundGrafts, AreValidAndHaveFewFaults) {
-  int inverted = 0, folded = 0, crossing = 0, refused = 0;
+  int inverted = 0, folded = 0, crossing = 0, refused = 0, flipped = 0;
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     const RandomGraft graft = make_random_graft(seed, GraftKind::found);
     SCOPED_TRACE(std::to_string(seed) + ": " + graft.text);
     const Attempt made = attempt(graft);
-    refused += made.result ? 0 : 1;
-    if (!made.result) continue;
+    if (!made.result) {
+      ++refused;
+      EXPECT_EQ(made.refusal->id(), "merge.pairs_invert_source");
+      continue;
+    }
     EXPECT_EQ(faults_of(graft, *made.result), std::vector<std::string>());
     const MergeReport& report = made.result->report;
     inverted += report.shape.inverted > 0 ? 1 : 0;
     folded += report.seam.faults.folded_edges > 0 ? 1 : 0;
+    flipped += report.shape.inverted + report.seam.faults.folded_edges > 0 ? 1 : 0;
     crossing += report.seam.faults.crossings + report.seam.faults.far_crossings > 0 ? 1 : 0;
   }
   RecordProperty("inverted", inverted);
   RecordProperty("folded", folded);
+  RecordProperty("flipped", flipped);
   RecordProperty("crossing", crossing);
-  // Measured: 17, 12 and 14 or 15 (docs/merging.md, "Random grafts"); a few more for other rounding.
-  EXPECT_LE(inverted, 19);
-  EXPECT_LE(folded, 14);
-  EXPECT_LE(crossing, 17);
-  EXPECT_EQ(refused, 0);
+  RecordProperty("refused", refused);
+  // Measured: 4, 5 and 10 (docs/merging.md, "Random grafts").
+  EXPECT_LE(inverted, 5);
+  EXPECT_LE(crossing, 5);
+  EXPECT_LE(refused, 15);
 }
 
 }  // namespace

@@ -1,12 +1,15 @@
 #include "merge/retry.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/merge/merge.h>
 
 #include "support/random_grafts.h"
@@ -140,6 +143,48 @@ TEST(Retry, ChangesNothingWithoutFaultsOrOtherShapes) {
   graft = test::make_random_graft(45, test::GraftKind::found);
   graft.options.shape = MergeShape::ft05;
   EXPECT_EQ(merged(graft, graft.options).report.retry.tries, 0);
+}
+
+// A bracket with two open tubes on a torus's two ends, and a torus on a bracket: the loops lie 2.3 and 1.8
+// radii apart however the source is placed.
+class InvertingPairs : public testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(InvertingPairs, AreRefusedByTheirPairButNotAlone) {
+  const test::RandomGraft graft = test::make_random_graft(GetParam(), test::GraftKind::found);
+  SCOPED_TRACE(graft.text);
+  const test::Attempt refused = test::attempt(graft);
+  ASSERT_TRUE(refused.refusal);
+  EXPECT_EQ(refused.refusal->id(), "merge.pairs_invert_source");
+  EXPECT_GT(refused.refusal->fact().get<double>("radii"), 1);
+  EXPECT_GT(refused.refusal->fact().get<std::int64_t>("vertices"), 0);
+  const auto pair = static_cast<std::size_t>(refused.refusal->fact().get<std::int64_t>("pair"));
+  EXPECT_EQ(refused.refusal->location(), Location::pair(pair));
+
+  test::RandomGraft once = graft;
+  once.options.retry = false;
+  const MergeReport first = merged(once, once.options).report;
+  EXPECT_GT(first.shape.inverted, 0);
+  for (const PairReport& report : first.pairs) EXPECT_LE(report.misfit_rel, first.pairs[pair].misfit_rel);
+
+  test::RandomGraft alone = graft;
+  alone.pairs = {graft.pairs[pair]};
+  const test::Attempt made = test::attempt(alone);
+  ASSERT_TRUE(made.result);
+  EXPECT_EQ(made.result->report.shape.inverted, 0);
+  EXPECT_EQ(made.result->report.seam.faults.total(), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, InvertingPairs, testing::Values(115, 469), testing::PrintToStringParamName());
+
+// Pairs that are 8 and 2.6 radii apart, of which the source follows both.
+TEST(PairsFarApart, AreGraftedWhereNothingTurnsInsideOut) {
+  for (const std::uint64_t seed : {53, 278}) {
+    const test::RandomGraft graft = test::make_random_graft(seed, test::GraftKind::found);
+    SCOPED_TRACE(graft.text);
+    const MergeReport report = merged(graft, graft.options).report;
+    EXPECT_GT(std::max(report.pairs[0].misfit_rel, report.pairs[1].misfit_rel), 2);
+    EXPECT_EQ(report.shape.inverted + report.seam.faults.total(), 0);
+  }
 }
 
 }  // namespace

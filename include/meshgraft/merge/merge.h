@@ -30,7 +30,8 @@ struct MergeResult {
 /// - loops meet;
 /// - a connected component of the source has no loop (merge.component_without_pair);
 /// - correspondences cross (merge.matches_cross);
-/// - the orientations disagree (merge.orientations_disagree).
+/// - the orientations disagree (merge.orientations_disagree);
+/// - several pairs turn the source inside out, and `retry` is set (merge.pairs_invert_source).
 /// Throws Error(unsolvable) and Error(cancelled).
 MergeResult merge_meshes(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
                          const MergeOptions& options = {}, const Context& context = {});

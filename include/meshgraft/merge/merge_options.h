@@ -111,7 +111,8 @@ struct MergeOptions {
   /// Tries other values of the settings that are left open, where the graft has inverted maps, folds or
   /// intersections at its seams: the reach, the normal angle (open at 0), the size (of a source in one piece),
   /// and the start (of one pair). Only with the shape `similar` and the pose found. The graft with the fewest
-  /// faults is kept.
+  /// faults is kept. It is refused where several loops of one piece lie so differently from the target's that
+  /// the source turns inside out all the same (merge.pairs_invert_source).
   bool retry = true;
   /// Orientations that the models may have, in their own coordinates. A start that is not given brings up to up
   /// and front to front where the loops allow. One: it is known. None: guessed from the mesh

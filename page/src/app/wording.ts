@@ -346,6 +346,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the faces of the ${sideWord(inward)} point inward, those of the ${sideWord(outward)} outward, so the two loops do not fit`,
     remedy: turnInsideOut,
   }),
+  "merge.pairs_invert_source": ({ pair, radii, vertices }) => ({
+    problem: `the part's loops lie differently from the model's: placed as well as can be, those of pair ${pair + 1} are still ${formatNumber(radii, 2)} times their radius apart, and the part turns inside out at ${counted(vertices, "vertex", "vertices")}`,
+    remedy: "Pair fewer loops, or others, or keep the first try all the same.",
+  }),
   "merge.point_off_surface": ({ x, y, z, distance }) => ({
     problem: `the point (${[x, y, z].map((at) => formatNumber(at, 6)).join(", ")}) is ${formatNumber(distance)} away from the model's surface`,
     remedy: "Drag the part onto the surface.",

@@ -183,5 +183,8 @@ test("what the graft panel can do about a fact has a button", () => {
   expect(graftRemedy({ id: "merge.no_hole", fields: { size: 2, largest: 0.51234 } })).toEqual({
     label: "Use size 0.512", fields: { size: 0.51234 },
   });
+  expect(graftRemedy({ id: "merge.pairs_invert_source", fields: { pair: 0, radii: 2, vertices: 9 } })?.fields).toEqual({
+    retry: false,
+  });
   expect(graftRemedy({ id: "merge.no_pairs", fields: {} })).toBeUndefined();
 });

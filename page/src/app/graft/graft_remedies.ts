@@ -16,6 +16,7 @@ const remedies: { [Id in FactId]?: (fields: FactFields[Id]) => GraftRemedy } = {
   "merge.intersection_avoided_if_smaller": ({ smaller_size }) => useSize(smaller_size),
   "merge.no_hole": ({ largest }) => useSize(largest),
   "merge.orientations_disagree": flipNormals,
+  "merge.pairs_invert_source": () => ({ label: "Keep the first try", fields: { retry: false } }),
   "merge.size_makes_source_huge": ({ same_size }) => useSize(same_size),
   "merge.size_makes_source_tiny": ({ same_size }) => useSize(same_size),
   "merge.size_too_small": ({ least }) => useSize(least),
