@@ -43,7 +43,7 @@ TEST_F(Halves, AreExportedEachByItself) {
     EXPECT_TRUE(summarise_topology(half).closed) << name;
     EXPECT_NEAR(name == std::string("bar") ? lowest(half) : highest(half), 2.1, 1e-6);
   }
-  EXPECT_EQ(page_.refusal({{"do", "export"}, {"path", "half.ply"}, {"mesh", "none"}})["id"],
+  EXPECT_EQ(page_.refusal({{"do", "export"}, {"path", "none.ply"}, {"mesh", "none"}})["id"],
             "editor.no_such_part");
 }
 
