@@ -124,7 +124,6 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
   const mesh = page.editor.graft.byName(step.source)?.mesh ?? -1;
   return (
     <div class="step-details">
-      <p class="hint">{`${step.source} onto ${step.target}.`}</p>
       <GraftNumbers
         step={step}
         foundSize={found?.size}

@@ -26,7 +26,7 @@ test("a split keeps two objects, and each is hidden, exported and made the model
   const panel = page.locator(".cut-in-work");
   await panel.getByText("Pins", { exact: true }).click();
   await user.click("Split, keep both");
-  await page.getByText("bar is now two objects: bar (blue side) and bar 2 (red side)").waitFor();
+  await page.getByText("Split into bar (blue side) and bar 2 (red side)").waitFor();
   await user.rests();
   expect(await names()).toEqual(["bar", "bar 2"]);
   expect(await shown()).toBe(1);

@@ -261,7 +261,7 @@ export class Graft {
     const [first, second] = plane === undefined ? ["inside", "outside"] : ["blue side", "red side"];
     if (name !== undefined)
       this.host.note(
-        `${mesh} is now two objects: ${mesh} (${first}) and ${name} (${second})`,
+        `Split into ${mesh} (${first}) and ${name} (${second})`,
         [`${name} is under Parts: hide it, export it, or make it the model.`, ...more].join(" "),
       );
     else if (more.length > 0) this.host.note("Cut.", more.join(" "));
