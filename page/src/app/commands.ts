@@ -187,6 +187,8 @@ function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
   ];
 }
 
+const seamMargin = 2; // rings of vertices beside the seam
+
 function selectCommands({ editor, tools }: CommandContext): Command[] {
   const { graft } = editor;
   // In graft mode the selection is the fixed part of the source. It exists only while the fixed part is painted.
@@ -196,6 +198,14 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
   const select = (change: SelectionChange) =>
     void (graft.paintsFixed.value ? graft.selectFixed(change) : editor.ask({ do: "select", ...change }));
   const grow = (rings: number) => select({ how: "grow", rings });
+  const seam = () => graft.seam.value;
+  const hasSeam = () =>
+    isOpen() && graft.mode.value === "deform" && seam() !== null && seam()?.vertexCount === editor.state.value?.model.vertices;
+  const selectSeam = async () => {
+    const indices = Array.from(seam()?.vertices ?? []);
+    if ((await editor.ask({ do: "select", how: "set", what: { indices } })) === undefined) return;
+    await editor.ask({ do: "select", how: "grow", rings: seamMargin });
+  };
   return [
     {
       id: "select-all", group: "select", label: "Select all", keys: ["A", "ctrl+A"],
@@ -221,6 +231,11 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
       id: "select-shrink", group: "select", label: "Shrink", keys: ["-", "ctrl+-"], repeats: true,
       help: "Removes the outermost ring of vertices.",
       run: () => grow(-1), enabled: some,
+    },
+    {
+      id: "select-seam", group: "select", label: "Select the seam", keys: [],
+      help: "Selects the seam of the latest graft with a margin, to smooth it.",
+      run: () => void selectSeam(), enabled: hasSeam,
     },
     {
       id: "make-handle", group: "select", label: "Make handle", keys: ["shift+H"],

@@ -1,10 +1,11 @@
 import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
 import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
-import type { Page } from "../app/page";
+import { commandOf, type Page } from "../app/page";
 import { readStep, type GraftFields } from "../app/graft/graft_step";
 import { closingFields, closingOf, type Pins } from "../app/cuts";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
+import { CommandLabelButton } from "./command_button";
 import { CutClosingFields } from "./graft/cut_closing";
 import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft/graft_fields";
 import { PoseNumberFields, Triple } from "./pose_fields";
@@ -133,6 +134,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       <ShapeField step={step} keep={keep} />
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
       <EditAgain page={page} index={index} />
+      {commandOf(page, "select-seam").enabled() && <CommandLabelButton page={page} id="select-seam" icon="loop" />}
       <More label="More options">
         <BlendColours page={page} step={step} keep={keep} />
         <LoopToggles step={step} keep={keep} />

@@ -65,6 +65,15 @@ test("shows how the seam bends, and the result's edges", async () => {
   await user.rests();
   expect(Number(/([\d.]+)°$/.exec((await legend.textContent()) ?? "")?.[1])).toBeCloseTo(largest, 0);
   await user.screenshot("graft-seam-bends-accepted");
+
+  // The seam is selected from the step, and smoothed.
+  await user.page.getByRole("tab", { name: "Deform" }).click();
+  if ((await user.page.getByRole("list", { name: "Steps" }).count()) === 0) await user.page.getByText("Steps", { exact: true }).click();
+  await user.page.getByText("1. Graft: head on bust").click();
+  await user.click("Select the seam");
+  await user.page.getByText(/^\d+ vertices selected$/).waitFor();
+  await user.page.getByRole("toolbar", { name: "Shape" }).getByRole("button", { name: "Smooth" }).click();
+  await user.page.getByText("2. Shape").waitFor();
   expect(user.complaints).toEqual([]);
 });
 

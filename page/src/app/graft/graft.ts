@@ -7,6 +7,7 @@ import {
   type MatchRef, type GraftFields, type GraftStep, type Pair,
 } from "./graft_step";
 import { GraftStarts } from "./graft_starts";
+import { seamOf, type Seam } from "./seam";
 import { noteWords } from "../wording";
 import * as hovering from "./hovering";
 import { closingFields, keptFields, otherSide, type Cut, type CutClosing, type CutRequest, type DrawnCurve, type Side } from "../cuts";
@@ -43,6 +44,8 @@ export class Graft {
   /** The binary message of the latest graft result. */
   readonly preview = signal<BinaryMessage | null>(null);
   readonly report = signal<GraftReport | null>(null);
+  /** The seam of the latest result that was not dragged. */
+  readonly seam = signal<Seam | null>(null);
   /** Fields that a slider or the pointer changes for now, on top of the document's. */
   readonly dragged = signal<GraftFields | null>(null);
   /** Map from the part's coordinates to its pose on the target, before it deforms. */
@@ -426,6 +429,7 @@ export class Graft {
     if (dragged && this.dragged.value === null) return;
     this.newest = graft;
     this.preview.value = message;
+    if (!dragged) this.seam.value = seamOf(message);
   }
 
   private takeLoops(message: BinaryMessage): void {

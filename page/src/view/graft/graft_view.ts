@@ -4,6 +4,7 @@ import type { Graft, LoopRef, MeshObject } from "../../app/graft/graft";
 import type { Rows4, Vector3Tuple } from "../../app/graft/graft_step";
 import type { BinaryMessage } from "../../engine/binary_message";
 import { layOutParts, type Box } from "./part_layout";
+import { verticesFrom } from "../../app/graft/seam";
 import { partColour, seamColour } from "../../app/graft/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
 import { LoopLines } from "./loop_lines";
@@ -19,8 +20,7 @@ export class GraftView {
   private readonly ghost = new Ghost();
   private preview: { message: BinaryMessage; surface: Surface } | undefined;
   private readonly directions = new Map<string, Vector3Tuple>(); // directions of parts as seen from the model
-  private lastSeam: { vertexCount: number; vertices: Uint32Array } | undefined; // of the last result shown
-  private seamShownOn: Surface | undefined; // the model that has this seam
+  private seamShownOn: Surface | undefined; // the model that has the seam of the latest graft
   private framedKey = ""; // key of the objects in the last framed picture
 
   constructor(
@@ -156,9 +156,8 @@ export class GraftView {
     if (message !== null && this.preview === undefined) {
       const surface = this.viewport.surfaceFrom(message);
       surface.setTint(tintOf(message, surface.vertexCount));
-      this.lastSeam = { vertexCount: surface.vertexCount, vertices: verticesFrom(message, 2) };
       this.seamShownOn = undefined;
-      surface.heat.setSeam(this.lastSeam.vertices);
+      surface.heat.setSeam(verticesFrom(message, 2));
       this.preview = { message, surface };
       this.group.add(surface.object);
     }
@@ -171,9 +170,10 @@ export class GraftView {
   // Gives the model the seam of the graft that it came from, so that its heat map outlives the graft.
   private keepSeam(): void {
     const { main } = this.viewport;
-    if (main === undefined || main === this.seamShownOn || main.vertexCount !== this.lastSeam?.vertexCount) return;
+    const { value: seam } = this.graft.seam;
+    if (main === undefined || main === this.seamShownOn || main.vertexCount !== seam?.vertexCount) return;
     this.seamShownOn = main;
-    main.heat.setSeam(this.lastSeam.vertices);
+    main.heat.setSeam(seam.vertices);
   }
 
   private drawLoops(on: boolean, shows: ReadonlySet<number>): void {
@@ -242,17 +242,6 @@ export function matrixOfRows(rows: readonly (readonly number[])[]): Matrix4 {
 function boxOf(surface: Surface): Box {
   const at = (corner: Vector3) => corner.clone().add(surface.object.position).toArray();
   return { min: at(surface.box.min), max: at(surface.box.max) };
-}
-
-/** Returns the vertices of faces by origin: 1 for the part, 2 for new faces between the two. */
-function verticesFrom(message: BinaryMessage, kind: 1 | 2): Uint32Array {
-  const triangles = message.indices("triangles") ?? new Uint32Array();
-  const origin = message.bytes("origin") ?? new Uint8Array();
-  const vertices = new Set<number>();
-  origin.forEach((from, t) => {
-    if (from === kind) for (const v of triangles.subarray(3 * t, 3 * t + 3)) vertices.add(v);
-  });
-  return Uint32Array.from(vertices);
 }
 
 /** Tints the part weakly in its colour, and the seam strongly. */
