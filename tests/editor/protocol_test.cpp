@@ -110,6 +110,11 @@ void ask_all_of_grafting(Page& page) {
   page.ask({{"do", "graft"}, {"what", "cancel"}});
   page.ask({{"do", "graft"}, {"source", "face"}});
   page.ask({{"do", "accept"}});
+  page.ask({{"do", "graft"}, {"what", "resume"}});
+  page.ask({{"do", "state"}});
+  page.ask({{"do", "accept"}});
+  page.ask({{"do", "cut"}, {"plane", {{"point", {0, 0, 0.2}}, {"normal", {0, 0, 1}}}}, {"halves", true}});
+  page.ask({{"do", "export"}, {"path", "half.ply"}, {"mesh", "bust 2"}, {"overwrite", true}});
   page.reply_to(page.send({{"do", "thumbnail"}, {"mesh", "face"}, {"size", 32}}));  // refused without renderer
 }
 
