@@ -53,7 +53,7 @@ TEST(HundredClosedDrops, AreGraftedAndValid) {
   RecordProperty("faulty", faulty);
   fmt::print("{} made, {} refused, {} faulty, {} absent\n", made, refused, faulty, absent);
   const int tried = made + refused + faulty;
-  EXPECT_GE(100 * made, 90 * tried);  // places on sharp edges have no room, and some grafts cross themselves
+  EXPECT_GE(100 * made, 93 * tried);  // places on sharp edges have no room, and some grafts cross themselves
 }
 
 }  // namespace
