@@ -31,7 +31,7 @@ std::string settings_of(const MergeReport& report) {
   if (retry.reach_doublings > 0)
     settings.push_back(fmt::format("{} × the influence radius", 1 << retry.reach_doublings));
   if (retry.normal_angle_deg != 0)
-    settings.push_back(fmt::format("a normal angle of {}°", retry.normal_angle_deg));
+    settings.push_back(fmt::format("a normal angle of {:.3g}°", retry.normal_angle_deg));
   if (retry.size != 0) settings.push_back(fmt::format("size {:.6g}", retry.size));
   if (retry.start != 0 || retry.start_shift != 0) {
     const Match& start = report.pairs.front().start;

@@ -18,11 +18,51 @@ namespace meshgraft {
 
 namespace {
 
+/// Returns the numbers of further grafts for all vertices of both meshes and a number of pairs.
+MostTries most_tries(Index vertices, std::size_t pairs) {
+  // Chosen: 30 further grafts and 30 combinations, and 12 where the start is not open. Meshes of 500,000
+  // vertices and more get four, so that a merge takes at most five times as long.
+  constexpr int fewest = 4;
+  constexpr Index vertices_of_all_tries = 2'000'000;
+  const int one_by_one = pairs == 1 ? 30 : 12, combined = pairs == 1 ? 30 : 0;
+  const int all =
+      std::clamp(vertices_of_all_tries / std::max<Index>(1, vertices), fewest, one_by_one + combined);
+  return {std::min(all, one_by_one), std::max(0, all - one_by_one)};
+}
+
 /// Returns how many of the first starts are as good as the first, because none is probable.
 int equally_likely_starts(const Correspondence& found) {
   constexpr int most = 4;  // chosen
   if (!is_unsure(found.starts)) return 1;
   return std::min(most, static_cast<int>(found.starts.size()));
+}
+
+/// Returns element `number` of the van der Corput sequence in a base: its digits mirrored at the point.
+double van_der_corput(int number, int base) {
+  double value = 0, share = 1;
+  for (; number > 0; number /= base) {
+    share /= base;
+    value += share * (number % base);
+  }
+  return value;
+}
+
+/// Returns a combination of values of all open settings. Those of the numbers 1, 2, … spread evenly over the
+/// ranges (Halton 1960).
+Variation combination(const OpenSettings& open, int number) {
+  // Chosen: a sure start is kept but for a seventh of the loop, others may turn all the way.
+  constexpr double largest_angle_deg = 60, smallest_size = 0.5, largest_size = 2;
+  constexpr int most_doublings = 3;
+  const double largest_shift = open.starts > 1 ? 0.5 : 0.15;
+  const auto between = [number](int base, double low, double high) {
+    return low + (high - low) * van_der_corput(number, base);
+  };
+  Variation variation;
+  if (open.reach) variation.doublings = static_cast<int>(between(2, 0, most_doublings + 1));
+  if (open.normal_angle) variation.normal_angle_deg = between(3, -largest_angle_deg, largest_angle_deg);
+  if (open.size) variation.size_ratio = std::exp(between(5, std::log(smallest_size), std::log(largest_size)));
+  if (open.start_shift) variation.start_shift = between(7, -largest_shift, largest_shift);
+  return variation;
 }
 
 /// Returns the correspondence from another start, moved along the target's loop by a share of its length.
@@ -42,15 +82,16 @@ Correspondence restarted(const PairGeometry& geometry, Correspondence found, int
 
 }  // namespace
 
-FoundVariation find_variation(const OpenSettings& open, double first, int most,
+FoundVariation find_variation(const OpenSettings& open, double first, const MostTries& most,
                               const std::function<double(const Variation&)>& faults_of) {
   // The values and their order were measured on random grafts (docs/merging.md, "Random grafts"): the
   // influence radius is seen least and helps most often.
   constexpr int most_rounds = 3;
   FoundVariation found{.best = {}, .faults = first, .tries = 0};
   std::set<Variation> tried{found.best};
+  int last_try = most.one_by_one;
   const auto attempt = [&](const Variation& variation) {
-    if (found.faults == 0 || found.tries == most || !tried.insert(variation).second) return;
+    if (found.faults == 0 || found.tries == last_try || !tried.insert(variation).second) return;
     ++found.tries;
     const double faults = faults_of(variation);
     if (faults >= found.faults) return;
@@ -77,18 +118,15 @@ FoundVariation find_variation(const OpenSettings& open, double first, int most,
     attempt_values(&Variation::start, std::views::iota(1, std::max(1, open.starts)));
     if (found.best == before) break;
   }
+  last_try = found.tries + most.combined;
+  for (int number = 1; number <= most.combined; ++number) attempt(combination(open, number));
   return found;
 }
 
 RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair> pairs,
                         const MergeOptions& options, const Context& context, MadeGraft& best) {
-  // Chosen: 30 further grafts, and 12 where the start is not open. Meshes of 500,000 vertices and more get
-  // four, so that a merge takes at most five times as long.
-  constexpr int fewest_tries = 4;
-  constexpr Index vertices_of_all_tries = 2'000'000;
-  const int most_tries = pairs.size() == 1 ? 30 : 12;
-  const Index vertices = matched.target.vertex_count() + matched.source.mesh.vertex_count();
-  const int most = std::clamp(vertices_of_all_tries / std::max<Index>(1, vertices), fewest_tries, most_tries);
+  const MostTries most =
+      most_tries(matched.target.vertex_count() + matched.source.mesh.vertex_count(), pairs.size());
   const double found_size = best.grafted.found.shape.similarity.scale;
   const OpenSettings open{.reach = !options.reach.rings && !options.reach.length,
                           .normal_angle = options.normal_angle_deg == 0,
@@ -116,7 +154,7 @@ RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair>
   int number = 0;
   const auto faults_of = [&](const Variation& variation) {
     try {
-      return graft_again(variation, context.within("retry", ++number, most));
+      return graft_again(variation, context.within("retry", ++number, most.one_by_one + most.combined));
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
       return impossible;

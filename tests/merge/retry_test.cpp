@@ -32,7 +32,7 @@ struct Trials {
            10 * std::abs(variation.size_ratio - good.size_ratio) + std::abs(variation.start - good.start) +
            20 * std::abs(variation.start_shift - good.start_shift);
   }
-  FoundVariation find(const OpenSettings& open, int most) {
+  FoundVariation find(const OpenSettings& open, const MostTries& most) {
     const double first = Trials{good, {}}.faults({});
     return find_variation(open, first, most, [this](const Variation& v) { return faults(v); });
   }
@@ -45,7 +45,7 @@ const std::vector<Variation> reachable{
 TEST(FindVariation, ReachesWhatHasNoFaults) {
   for (const Variation& good : reachable) {
     Trials trials{good, {}};
-    const FoundVariation found = trials.find(all_open, 1000);
+    const FoundVariation found = trials.find(all_open, {1000, 0});
     EXPECT_EQ(found.best, good);
     EXPECT_EQ(found.faults, 0);
     EXPECT_EQ(found.tries, static_cast<int>(trials.tried.size()));
@@ -55,12 +55,37 @@ TEST(FindVariation, ReachesWhatHasNoFaults) {
 
 TEST(FindVariation, TriesNothingTwiceAndNoMoreThanItMay) {
   const Variation unreachable{.doublings = 3, .normal_angle_deg = 13, .size_ratio = 1.1, .start = 2};
-  for (const int most : {0, 1, 7, 1000}) {
+  for (const MostTries most : {MostTries{0, 0}, {1, 0}, {7, 5}, {0, 9}, {1000, 100}}) {
     Trials trials{unreachable, {}};
     const FoundVariation found = trials.find(all_open, most);
-    EXPECT_LE(found.tries, most);
+    EXPECT_LE(found.tries, most.one_by_one + most.combined);
     EXPECT_EQ(std::set(trials.tried.begin(), trials.tried.end()).size(), trials.tried.size());
     EXPECT_LE(found.faults, (Trials{unreachable, {}}.faults({})));
+  }
+}
+
+// No change of a single setting is better than none here.
+TEST(FindVariation, CombinesSettingsWhereNoSingleOneHelps) {
+  const auto faults = [](const Variation& v) {
+    return v.normal_angle_deg < -20 && v.size_ratio < 0.8 && v.doublings >= 2 ? 0.0 : 5.0;
+  };
+  EXPECT_EQ(find_variation(all_open, 5, {1000, 0}, faults).faults, 5);
+  const FoundVariation found = find_variation(all_open, 5, {1000, 60}, faults);
+  EXPECT_EQ(found.faults, 0);
+  EXPECT_EQ(faults(found.best), 0);
+}
+
+TEST(FindVariation, TurnsSureStartsLittle) {
+  for (const int starts : {1, 4}) {
+    double largest = 0;
+    OpenSettings open = all_open;
+    open.starts = starts;
+    find_variation(open, 5, {0, 60}, [&](const Variation& v) {
+      largest = std::max(largest, std::abs(v.start_shift));
+      return 5.0;
+    });
+    EXPECT_LE(largest, starts == 1 ? 0.15 : 0.5);
+    EXPECT_GT(largest, starts == 1 ? 0.1 : 0.4);
   }
 }
 
@@ -69,7 +94,7 @@ TEST(FindVariation, ChangesWhatIsOpenAlone) {
       .doublings = 2, .normal_angle_deg = 20, .size_ratio = 0.8, .start = 1, .start_shift = 0.04};
   const auto differing = [&](const OpenSettings& open, auto changed) {
     Trials trials{good, {}};
-    trials.find(open, 1000);
+    trials.find(open, {1000, 20});
     for (const Variation& v : trials.tried) EXPECT_TRUE(changed(v));
     return trials.tried.size();
   };
@@ -89,7 +114,7 @@ TEST(FindVariation, ChangesWhatIsOpenAlone) {
 
 TEST(FindVariation, SkipsWhatIsImpossible) {
   const FoundVariation found = find_variation(
-      all_open, 5, 1000, [](const Variation&) { return std::numeric_limits<double>::infinity(); });
+      all_open, 5, {1000, 100}, [](const Variation&) { return std::numeric_limits<double>::infinity(); });
   EXPECT_EQ(found.best, Variation{});
   EXPECT_EQ(found.faults, 5);
 }
