@@ -1,5 +1,6 @@
-// meshgraft-mpi: runs one deform edit on all ranks of mpirun.
+// meshgraft-mpi: runs one deform edit, or a conversion, on all ranks of mpirun.
 #include <cstdio>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "cli/exit_status.h"
 #include "cli/facts.h"
 #include "cli/wording.h"
+#include "distributed/convert_mesh.h"
 #include "distributed/run_step.h"
 #include "distributed/session.h"
 
@@ -21,11 +23,32 @@ namespace {
 using namespace meshgraft;
 
 struct Arguments {
+  bool converts = false;
+  distributed::ConvertRequest convert;
   distributed::RunRequest request;
   std::string petsc;  ///< options of PETSc, in its own words
   std::optional<Preconditioner> preconditioner;
   std::optional<DeformMethod> method;
 };
+
+void add_convert(CLI::App& program, Arguments& arguments) {
+  CLI::App& convert = *program.add_subcommand(
+      "convert", "Convert between a binary PLY file and a mesh in chunks, in constant memory");
+  distributed::ConvertRequest& request = arguments.convert;
+  convert.add_option("input", request.input, "The mesh: a binary PLY file, or a folder NAME.chunks")
+      ->required()
+      ->type_name("MESH");
+  convert.add_option("-o,--output", request.output, "The mesh to write: NAME.ply or NAME.chunks")
+      ->required()
+      ->type_name("MESH");
+  convert
+      .add_option("--records-per-file", request.records_per_file,
+                  "The most records in a file of chunks (16777216)")
+      ->type_name("NUMBER")
+      ->check(cli::whole_number_from(1, std::numeric_limits<int>::max()));
+  convert.add_flag("--force", request.force, "A PLY file may replace the input");
+  convert.callback([&arguments] { arguments.converts = true; });
+}
 
 void add_arguments(CLI::App& program, Arguments& arguments) {
   program.set_version_flag("--version", "meshgraft-mpi " MESHGRAFT_VERSION, "Print the version");
@@ -34,10 +57,14 @@ void add_arguments(CLI::App& program, Arguments& arguments) {
   program.footer("Example:\n  mpirun -n 4 meshgraft-mpi deform edit.json -o out.ply --report report.json");
   CLI::App& deform = *program.add_subcommand("deform", "Deform a mesh by its handles, on all ranks together");
   distributed::RunRequest& request = arguments.request;
-  deform.add_option("edit", request.edit, "The edit file: one deform step on a binary PLY file")
+  deform
+      .add_option("edit", request.edit,
+                  "The edit file: one deform step on a binary PLY file or a mesh in chunks")
       ->required()
       ->type_name("EDIT.json");
-  deform.add_option("-o,--output", request.output, "The PLY file to write")->required()->type_name("FILE");
+  deform.add_option("-o,--output", request.output, "The mesh to write, in the format of the input")
+      ->required()
+      ->type_name("MESH");
   deform.add_option("--report", request.report, "Write a report as JSON")->type_name("FILE");
   deform.add_flag("--force", request.force, "The output may replace the input");
   cli::add_choice<DeformMethod>(deform, "--method", arguments.method,
@@ -78,7 +105,12 @@ int run_program(const distributed::Session& session, int argc, char** argv) {
   CLI::App program("Mesh editing on many ranks: one deform edit over MPI.", "meshgraft-mpi");
   Arguments arguments;
   add_arguments(program, arguments);
+  add_convert(program, arguments);
   if (const auto status = parse(program, argc, argv, session.is_first())) return *status;
+  if (arguments.converts) {
+    distributed::convert_mesh(session.comm(), arguments.convert);
+    return 0;
+  }
   session.start_solvers(arguments.petsc);
   if (arguments.preconditioner) arguments.request.preconditioner = *arguments.preconditioner;
   if (arguments.method) arguments.request.overrides.method = *arguments.method;

@@ -1,6 +1,7 @@
 #include "run_step.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -9,11 +10,12 @@
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/report.h>
 
+#include "convert_mesh.h"
 #include "core/stopwatch.h"
 #include "distributed/facts.h"
 #include "io/file.h"
 #include "local_mesh.h"
-#include "ply_file.h"
+#include "mesh_file.h"
 #include "resolve_step.h"
 #include "script/json_text.h"
 #include "script/run_steps.h"
@@ -31,7 +33,8 @@ EditFile read_edit(const Communicator& comm, const std::filesystem::path& path) 
   return parse_edit(text, path.string(), path.parent_path());
 }
 
-/// Returns the edit's only step. Throws Error(input) for edits that are not one deform step on a PLY file.
+/// Returns the edit's only step. Throws Error(input) for edits that are not one deform step on a mesh of a
+/// file.
 const DeformStep& only_step(const EditFile& edit) {
   const Location location = Location::file(edit.location);
   const auto* step = edit.steps.size() == 1 ? std::get_if<DeformStep>(&edit.steps[0].action) : nullptr;
@@ -47,15 +50,18 @@ const EditInput& input_of(const EditFile& edit, const DeformStep& step) {
   return *input;
 }
 
-void require_output(const RunRequest& request, const std::filesystem::path& input) {
-  std::error_code missing;
-  if (!request.force && std::filesystem::equivalent(request.output, input, missing) && !missing)
-    throw Error(facts::distributed::OutputIsInput{}, request.output);
-  const std::filesystem::path folder =
-      request.output.has_parent_path() ? request.output.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder))
-    throw io::file_error(request.output, facts::io::Action::create,
-                         std::make_error_code(std::errc::no_such_file_or_directory));
+/// Throws unless the output can be written, in the format of the input.
+void require_edit_output(const RunRequest& request, const std::filesystem::path& input) {
+  require_output(request.output, input, request.force);
+  if (names_chunks(request.output) != names_chunks(input))
+    throw Error(facts::distributed::OtherFormat{}, request.output);
+}
+
+/// Throws Error(input) if there are more vertices than an edit numbers.
+void require_numbers(const MeshFile& file, const std::filesystem::path& path) {
+  constexpr Number most = std::numeric_limits<Index>::max();
+  if (file.vertex_count() > most)
+    throw Error(facts::distributed::TooManyVertices{.count = file.vertex_count(), .most = most}, path);
 }
 
 /// The mesh of an edit while it is run: the own vertices and their normals, before and after.
@@ -74,7 +80,7 @@ Points with_halo(const LocalMesh& mesh, const Points& own) {
 }
 
 /// Turns the normals of the own vertices as the faces around them turn.
-Points turn_normals(const Communicator& comm, const PlyFile& file, const RunState& state) {
+Points turn_normals(const Communicator& comm, const MeshFile& file, const RunState& state) {
   const LocalMesh mesh = make_local_mesh(comm, file.vertex_starts(), state.triangles, 0);
   const Points before = with_halo(mesh, state.rest), normals = with_halo(mesh, state.normals);
   Points turned;
@@ -98,8 +104,13 @@ std::string report_text(const EditReport& report, const DistributedSummary& summ
   Json json = Json::parse(write_report(report, wording));
   json["quality"] = nullptr;
   json["solver"] = nullptr;
-  for (Json& input : json["inputs"]) input["findings"] = nullptr;
-  for (Json& step : json["steps"]) step["quality"] = step["solver"] = nullptr;
+  for (Json& input : json["inputs"]) {
+    input["findings"] = nullptr;
+    input["faces"] = summary.faces;
+  }
+  Json& step = json["steps"][0];
+  step["quality"] = step["solver"] = nullptr;
+  json["counts"]["faces"] = step["counts"]["faces"] = summary.faces;  // may need 64 bits
   json["distributed"] = {{"ranks", comm.size()},
                          {"preconditioner", to_string(request.preconditioner)},
                          {"tolerance", request.tolerance},
@@ -125,7 +136,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
   const EditInput& input = input_of(edit, step);
   const std::filesystem::path input_path = edit.base_folder / input.file;
   comm.together([&] {
-    if (comm.rank() == 0) require_output(request, input_path);
+    if (comm.rank() == 0) require_edit_output(request, input_path);
   });
   const Location location = (Location::file(edit.location) / "steps")[0];
 
@@ -137,7 +148,8 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
   done.settings.deformer.backend = SolverBackend::iterative;
   done.method = done.settings.deformer.method;
 
-  const PlyFile file(comm, input_path);
+  const MeshFile file(comm, input_path);
+  require_numbers(file, input_path);
   RunState state;
   state.rest = file.read_positions();
   state.triangles = file.read_triangles();
@@ -190,6 +202,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
                  .handle = static_cast<Index>(resolved.held),
                  .degenerate = static_cast<Index>(summary.degenerate_vertices)};
   done.max_displacement = comm.largest(largest_displacement(state.rest, state.edited));
+  summary.faces = file.face_count();  // with those that have a corner twice
   done.seconds.measure = watch.lap();
 
   file.write(request.output, {state.rest, state.edited, state.normals, state.turned});

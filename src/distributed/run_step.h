@@ -21,9 +21,9 @@ struct RunRequest {
   bool force = false;  ///< the output may replace the input
 };
 
-/// Runs an edit file of one deform step on a binary PLY file, and writes the result as `meshgraft deform` does.
-/// All ranks call it together. The report is in the words of `wording`. Where one rank fails, all ranks throw
-/// the same error, and no output is left behind.
+/// Runs an edit file of one deform step on a binary PLY file or a mesh in chunks, and writes the result as
+/// `meshgraft deform` does. All ranks call it together. The report is in the words of `wording`. Where one rank
+/// fails, all ranks throw the same error, and no output is left behind.
 void run_distributed(MPI_Comm comm, const RunRequest& request, const Wording& wording);
 
 }  // namespace meshgraft::distributed

@@ -5,9 +5,11 @@ import json
 import math
 import os
 import random
+import signal
 import struct
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 PROGRAM, MPI_PROGRAM, MPIRUN = sys.argv[1:4] if len(sys.argv) > 3 else ("", "", "")
@@ -70,6 +72,40 @@ class Mesh:
         Path(path).write_bytes(body)
 
 
+def convert(ranks, source, output, *arguments, **options):
+    """Runs meshgraft-mpi convert."""
+    return run(MPIRUN, "-q", "-n", ranks, "--oversubscribe", MPI_PROGRAM, "convert", source, "-o", output, *arguments, **options)
+
+
+def write_chunks(folder, mesh, files=3, index_type="int64", label_type="uint64"):
+    """Writes a mesh in chunks whose triangles have indices and labels of 64 bits. Returns the index."""
+    codes = {"int64": "q", "uint64": "Q", "uint": "I", "int": "i"}
+
+    def table(name, records, fields):
+        parts = []
+        for k in range(files):
+            part = records[k * len(records) // files:(k + 1) * len(records) // files]
+            (folder / f"{name}{k}").write_bytes(b"".join(part))
+            parts.append({"file": f"{name}{k}", "count": len(part)})
+        return {"count": len(records), "properties": [{"name": n, "type": t} for n, t in fields], "files": parts}
+
+    folder.mkdir()
+    pattern = f"<{codes[label_type]}3{codes[index_type]}"
+    index = {"format": "meshgraft-chunks", "version": 1,
+             "vertex": table("v", [struct.pack("<H3d", v % 999, *p) for v, p in enumerate(mesh.vertices)],
+                             [("id", "ushort"), ("x", "double"), ("y", "double"), ("z", "double")]),
+             "triangle": table("t", [struct.pack(pattern, t % 5, *corners) for t, corners in enumerate(mesh.triangles)],
+                               [("label", label_type), ("vertex_indices", index_type)])}
+    (folder / "mesh.json").write_text(json.dumps(index))
+    return index
+
+
+def read_chunks(folder):
+    """Returns the bytes of the vertices' records and of the triangles' records, through all files."""
+    index = json.loads((folder / "mesh.json").read_text())
+    return [b"".join((folder / part["file"]).read_bytes() for part in index[table]["files"]) for table in ("vertex", "triangle")]
+
+
 def read_ply(path):
     """Returns the bytes before the vertices, the vertices' records as bytes, the rest, and positions."""
     data = Path(path).read_bytes()
@@ -81,7 +117,7 @@ def read_ply(path):
             of_vertex = words[1] == "vertex"
             count = int(words[2]) if of_vertex else count
         elif words[0] == "property" and of_vertex:
-            size += {"double": 8, "float": 4, "uchar": 1}[words[1]]
+            size += {"double": 8, "float": 4, "ushort": 2, "uchar": 1}[words[1]]
             if words[2] == "x":
                 code = words[1][0]
     records = [data[end + k * size:end + (k + 1) * size] for k in range(count)]
@@ -113,3 +149,25 @@ def run(*command, timeout=300, **options):
 
 def run_ranks(ranks, *arguments, mpi=(), **options):
     return run(MPIRUN, "-q", "-n", ranks, "--oversubscribe", *mpi, MPI_PROGRAM, "deform", *arguments, **options)
+
+
+def kill_a_rank(edit, output):
+    """Starts three ranks, kills one of them, and returns the exit status, which comes within 30 seconds."""
+    environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    with subprocess.Popen([MPIRUN, "-q", "-n", "3", "--oversubscribe", MPI_PROGRAM, "deform", str(edit), "-o", str(output)],
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        children, deadline = [], time.monotonic() + 30
+        while len(children) < 3 and time.monotonic() < deadline:
+            listed = subprocess.run(["ps", "-o", "pid=,comm=", "--ppid", str(process.pid)], capture_output=True, text=True)
+            children = [line.split()[0] for line in listed.stdout.splitlines() if "meshgraft" in line]
+            time.sleep(0.05)
+        if len(children) < 3:
+            process.kill()
+            raise AssertionError("the ranks do not start")
+        os.kill(int(children[1]), signal.SIGKILL)
+        try:
+            process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+        return process.returncode
