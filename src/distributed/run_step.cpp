@@ -19,6 +19,7 @@
 #include "resolve_step.h"
 #include "script/json_text.h"
 #include "script/run_steps.h"
+#include "shared_quality.h"
 
 namespace meshgraft::distributed {
 
@@ -102,15 +103,17 @@ using Json = nlohmann::ordered_json;
 std::string report_text(const EditReport& report, const DistributedSummary& summary, const Communicator& comm,
                         const RunRequest& request, const Wording& wording) {
   Json json = Json::parse(write_report(report, wording));
-  json["quality"] = nullptr;
   json["solver"] = nullptr;
   for (Json& input : json["inputs"]) {
     input["findings"] = nullptr;
     input["faces"] = summary.faces;
   }
   Json& step = json["steps"][0];
-  step["quality"] = step["solver"] = nullptr;
+  step["solver"] = nullptr;
   json["counts"]["faces"] = step["counts"]["faces"] = summary.faces;  // may need 64 bits
+  for (Json* quality : {&json["quality"], &step["quality"]})
+    for (const char* field : {"width_min", "narrowest_vertex", "new_self_intersections"})
+      (*quality)[field] = nullptr;
   json["distributed"] = {{"ranks", comm.size()},
                          {"preconditioner", to_string(request.preconditioner)},
                          {"tolerance", request.tolerance},
@@ -171,7 +174,11 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
     for (std::size_t c = 0; c < 3; ++c)
       resolved.problem.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(c)) =
           state.triangles[t].corners[c];
-  if (!file.has_normals()) state.triangles = {};
+  const bool measures = !request.report.empty();
+  if (!file.has_normals() && !measures) state.triangles = {};
+  Flags is_free = resolved.problem.movable;
+  for (const VertexConstraint& constraint : resolved.problem.constraints)
+    if (constraint.position) is_free[constraint.vertex] = 0;
   done.seconds.select = watch.lap();
 
   const std::vector<VertexConstraint> constraints = resolved.problem.constraints;
@@ -203,6 +210,9 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
                  .degenerate = static_cast<Index>(summary.degenerate_vertices)};
   done.max_displacement = comm.largest(largest_displacement(state.rest, state.edited));
   summary.faces = file.face_count();  // with those that have a corner twice
+  if (measures)
+    done.quality = measure_shared_quality(comm, file.vertex_starts(), state.triangles,
+                                          {.rest = state.rest, .edited = state.edited, .is_free = is_free});
   done.seconds.measure = watch.lap();
 
   file.write(request.output, {state.rest, state.edited, state.normals, state.turned});
@@ -218,6 +228,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
     report.evaluation = done.evaluation;
     report.deformed = true;
     report.max_displacement = done.max_displacement;
+    report.quality = done.quality;
     for (auto field : {&StageSeconds::select, &StageSeconds::assemble, &StageSeconds::factorise,
                        &StageSeconds::solve, &StageSeconds::measure})
       report.seconds.*field = done.seconds.*field;

@@ -210,6 +210,58 @@ class SameAnswer(Scene):
         self.assertLess(mine["residual"], 1e-6)
         self.assertEqual(mine["distributed"]["ranks"], 3)
 
+    def assert_same_quality(self, mine, theirs):
+        """Compares all measures but those that are not distributed, which are null."""
+        not_measured = ("width_min", "narrowest_vertex", "new_self_intersections")
+        self.assertEqual(set(mine), set(theirs))
+        for name, value in theirs.items():
+            if name in not_measured:
+                self.assertIsNone(mine[name], name)
+            elif isinstance(value, dict):
+                self.assertEqual(set(mine[name]), set(value))
+                for part in value:
+                    self.assertAlmostEqual(mine[name][part], value[part], places=6, msg=f"{name} {part}")
+            elif value is None:
+                self.assertIsNone(mine[name], name)
+            else:
+                self.assertAlmostEqual(mine[name], value, places=6, msg=name)
+
+    def reports(self, edit, ranks):
+        mine, theirs = self.folder / "mine.json", self.folder / "theirs.json"
+        self.together(edit, ranks, "--report", mine)
+        done = run(PROGRAM, "deform", edit, "-o", self.folder / "alone.ply", "--report", theirs)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(mine.read_text()), json.loads(theirs.read_text())
+
+    def test_quality(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        mesh.add_sheet(8, 8, (3, 0, 0), seed=5)
+        mesh.shuffle()
+        mesh.write(self.mesh)
+        region = {"box": {"min": [0.1, 0.1, -1], "max": [0.9, 0.9, 1]}}
+        turned = {"translate": [0.1, 0, 0.1], "rotate": {"axis": [1, 0, 0.2], "angle_deg": 170}}
+        edit = write_edit(self.folder / "edit.json", self.mesh, region=region,
+                          handles=[{"name": "disc", "select": DISC, "pose": turned}])
+        for ranks in (1, 3):
+            mine, theirs = self.reports(edit, ranks)
+            self.assertGreater(theirs["quality"]["flipped_faces"], 0)
+            self.assertGreater(theirs["quality"]["rim_jump_max_deg"], 1)
+            self.assertIsNone(theirs["quality"]["volume_ratio"])
+            self.assert_same_quality(mine["quality"], theirs["quality"])
+            self.assert_same_quality(mine["steps"][0]["quality"], theirs["steps"][0]["quality"])
+
+    def test_quality_of_a_closed_surface(self):
+        made = run(PROGRAM, "sample", "bar", "--resolution", 20, "-o", self.mesh)
+        self.assertEqual(made.returncode, 0, made.stderr)
+        edit = write_edit(self.folder / "edit.json", self.mesh,
+                          fixed={"half_space": {"point": [0, 0, 0.4], "normal": [0, 0, -1]}},
+                          handles=[{"name": "top", "select": {"half_space": {"point": [0, 0, 3.6], "normal": [0, 0, 1]}},
+                                    "pose": {"scale": 1.3, "translate": [0.3, 0, 0.2]}}])
+        mine, theirs = self.reports(edit, 4)
+        self.assertGreater(theirs["quality"]["volume_ratio"], 1.05)
+        self.assert_same_quality(mine["quality"], theirs["quality"])
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[4:]])

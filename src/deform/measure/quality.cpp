@@ -19,6 +19,7 @@
 #include "deform/setup/free_vertices.h"
 #include "mesh/edge_table.h"
 #include "quality_of_surface.h"
+#include "quality_terms.h"
 #include "width.h"
 
 namespace meshgraft {
@@ -27,75 +28,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// One state of the surface, in units in which squares and cubes neither overflow nor underflow.
-struct Pose {
-  const Points& positions;
-  Vector3d centre;    // of the bounding box; volumes are measured from it
-  double scale;       // a power of two, so that scaling does not round
-  double resolution;  // scaled length below which rounding of the coordinates dominates
-
-  Vector3d between(Index from, Index to) const {
-    return (positions.row(to) - positions.row(from)).transpose() * scale;
-  }
-  Vector3d centred(Index vertex) const { return (positions.row(vertex).transpose() - centre) * scale; }
-
-  // Returns the pose of a part of the surface, in the units of the whole.
-  Pose of_part(const Points& part) const { return {part, centre, scale, resolution}; }
-};
-
-struct Box {
-  Vector3d min = Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Vector3d max = -min;
-  double extent() const { return (max - min).maxCoeff(); }
-  void include(const Box& other) {
-    min = min.cwiseMin(other.min);
-    max = max.cwiseMax(other.max);
-  }
-};
-
-// Returns the box of vertices with faces. Unused vertices must not affect the units.
-Box bounding_box(const Points& positions, const IndexLists& faces_around, const Context& context) {
-  constexpr std::size_t block_size = 16384;
-  const auto count = static_cast<std::size_t>(faces_around.size());
-  std::vector<Box> blocks((count + block_size - 1) / block_size);
-  const auto box_of_block = [&](std::size_t block) {
-    Box& box = blocks[block];
-    const std::size_t end = std::min(count, (block + 1) * block_size);
-    for (auto v = static_cast<Index>(block * block_size); v < static_cast<Index>(end); ++v) {
-      if (faces_around[v].empty() || !positions.row(v).allFinite()) continue;
-      box.min = box.min.cwiseMin(positions.row(v).transpose());
-      box.max = box.max.cwiseMax(positions.row(v).transpose());
-    }
-  };
-  parallel_blocks(
-      blocks.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t block = begin; block < end; ++block) box_of_block(block);
-      },
-      context, 1);
-  Box box;
-  for (const Box& part : blocks) box.include(part);
-  return box;
-}
-
-// Returns the poses of both states in one common scale, because their sizes are compared.
-std::pair<Pose, Pose> make_poses(const Points& rest, const Points& edited, const IndexLists& faces_around,
-                                 const Context& context) {
-  const Box rest_box = bounding_box(rest, faces_around, context);
-  const Box edited_box = bounding_box(edited, faces_around, context);
-  const double extent = rest_box.extent();
-  const double scale = extent > 0 && std::isfinite(extent) ? std::ldexp(1.0, -std::ilogb(extent)) : 1.0;
-  const auto pose = [&](const Points& positions, const Box& box) {
-    const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
-    return Pose{positions, box.min / 2 + box.max / 2, scale,
-                4 * std::numeric_limits<double>::epsilon() * largest * scale};
-  };
-  return {pose(rest, rest_box), pose(edited, edited_box)};
-}
-
 using TriangleEdges = std::array<Vector3d, 3>;  // [k] is the edge from corner k to corner k+1, scaled
 
-TriangleEdges triangle_edges(const Pose& pose, const std::array<Index, 3>& v) {
+TriangleEdges triangle_edges(const QualityPose& pose, const std::array<Index, 3>& v) {
   return {pose.between(v[0], v[1]), pose.between(v[1], v[2]), pose.between(v[2], v[0])};
 }
 
@@ -109,7 +44,7 @@ struct FaceShape {
 };
 
 // Returns a shape without its normal.
-FaceShape measure_size(const Pose& pose, const std::array<Index, 3>& v) {
+FaceShape measure_size(const QualityPose& pose, const std::array<Index, 3>& v) {
   FaceShape shape;
   const double norm = pose.between(v[0], v[1]).cross(pose.between(v[1], v[2])).norm();
   const double cone = pose.centred(v[0]).dot(pose.centred(v[1]).cross(pose.centred(v[2]))) / 6;
@@ -120,7 +55,7 @@ FaceShape measure_size(const Pose& pose, const std::array<Index, 3>& v) {
   return shape;
 }
 
-FaceShape measure_shape(const Pose& pose, const std::array<Index, 3>& v, const TriangleEdges& edges) {
+FaceShape measure_shape(const QualityPose& pose, const std::array<Index, 3>& v, const TriangleEdges& edges) {
   FaceShape shape = measure_size(pose, v);
   if (!shape.finite) return shape;
   const Vector3d twice_area = edges[0].cross(edges[1]);
@@ -155,29 +90,16 @@ std::array<double, 2> singular_values(const TriangleEdges& rest, const TriangleE
   return {q + r, std::abs(q - r)};
 }
 
-// Sums over all faces with finite coordinates.
-struct WholeSums {
-  double rest_area = 0, edited_area = 0, rest_cone = 0, edited_cone = 0;
-  bool finite = true;  // no face is left out
-
-  void add(const FaceShape& rest, const FaceShape& edited) {
-    if (!rest.finite || !edited.finite) {
-      finite = false;
-      return;
-    }
-    rest_area += rest.area;
-    edited_area += edited.area;
-    rest_cone += rest.cone;
-    edited_cone += edited.cone;
+void add_face(WholeSums& sums, const FaceShape& rest, const FaceShape& edited) {
+  if (!rest.finite || !edited.finite) {
+    sums.finite = false;
+    return;
   }
-  void add(const WholeSums& other) {
-    rest_area += other.rest_area;
-    edited_area += other.edited_area;
-    rest_cone += other.rest_cone;
-    edited_cone += other.edited_cone;
-    finite &= other.finite;
-  }
-};
+  sums.rest_area += rest.area;
+  sums.edited_area += edited.area;
+  sums.rest_cone += rest.cone;
+  sums.edited_cone += edited.cone;
+}
 
 // Returns whether each vertex has another position in the edited state.
 Flags flag_moved(const Points& rest, const Points& edited, const Context& context) {
@@ -193,35 +115,6 @@ Flags flag_moved(const Points& rest, const Points& edited, const Context& contex
       },
       context, 4096);
   return moved;
-}
-
-// Sums up blocks of a fixed size, so that the result does not depend on the number of threads. A face without a
-// moved vertex has the same shape in both states, unless they are measured from different centres.
-WholeSums sum_over_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
-                         const Context& context) {
-  constexpr std::size_t block_size = 4096;
-  const auto count = static_cast<std::size_t>(triangles.rows());
-  std::vector<WholeSums> blocks((count + block_size - 1) / block_size);
-  const bool same_centre = rest.centre == edited.centre;
-  const Flags moved = flag_moved(rest.positions, edited.positions, context);
-  const auto add_face = [&](WholeSums& sums, std::size_t f) {
-    const auto row = triangles.row(static_cast<Eigen::Index>(f));
-    const std::array<Index, 3> v{row[0], row[1], row[2]};
-    const FaceShape shape = measure_size(rest, v);
-    const bool same = same_centre && !moved[v[0]] && !moved[v[1]] && !moved[v[2]];
-    sums.add(shape, same ? shape : measure_size(edited, v));
-  };
-  parallel_blocks(
-      blocks.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b)
-          for (std::size_t f = b * block_size; f < std::min(count, (b + 1) * block_size); ++f)
-            add_face(blocks[b], f);
-      },
-      context, 1);
-  WholeSums sums;
-  for (const WholeSums& block : blocks) sums.add(block);
-  return sums;
 }
 
 // The part of the surface whose faces and edges are measured one by one: the faces that share a vertex with a
@@ -296,8 +189,9 @@ struct FaceMeasure {
   bool finite() const { return rest.finite && edited.finite; }
 };
 
-std::vector<FaceMeasure> measure_faces(const Pose& rest, const Pose& edited, const Triangles& triangles,
-                                       const Flags& is_free, const Context& context) {
+std::vector<FaceMeasure> measure_faces(const QualityPose& rest, const QualityPose& edited,
+                                       const Triangles& triangles, const Flags& is_free,
+                                       const Context& context) {
   std::vector<FaceMeasure> measures(triangles.rows());
   parallel_blocks(
       measures.size(),
@@ -346,7 +240,7 @@ double turn_change_deg(const TriangleEdge& edge, const FaceMeasure& first, const
   return std::min(change, 2 * std::numbers::pi - change) * 180 / std::numbers::pi;
 }
 
-std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited,
+std::vector<EdgeMeasure> measure_edges(const QualityPose& rest, const QualityPose& edited,
                                        const std::vector<TriangleEdge>& edges,
                                        const std::vector<FaceMeasure>& faces, const Flags& is_free,
                                        const Context& context) {
@@ -379,23 +273,143 @@ std::vector<EdgeMeasure> measure_edges(const Pose& rest, const Pose& edited,
   return measures;
 }
 
-void report_areas(const WholeSums& whole, const std::vector<FaceMeasure>& faces, Quality& quality) {
-  double rest_free = 0, edited_free = 0;
-  for (const FaceMeasure& face : faces) {
+void add_faces(const std::vector<FaceMeasure>& faces, const QualitySurface& surface, QualityTerms& terms) {
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const FaceMeasure& face = faces[f];
+    if (surface.measures_face && !surface.measures_face(static_cast<Index>(f))) continue;
+    if (face.stretch_known) terms.sigmas.insert(terms.sigmas.end(), face.sigma.begin(), face.sigma.end());
     if (!face.finite() || !face.free) continue;
-    rest_free += face.rest.area;
-    edited_free += face.edited.area;
+    terms.rest_free_area += face.rest.area;
+    terms.edited_free_area += face.edited.area;
   }
-  if (whole.rest_area > 0) quality.area_ratio = whole.edited_area / whole.rest_area;
-  if (rest_free > 0) quality.area_ratio_free = edited_free / rest_free;
 }
 
-// Returns whether as many faces run along each edge one way as the other, and there is an edge.
-bool is_closed_and_oriented(const Triangles& triangles, const IndexLists& faces_around,
+void add_edges(const std::vector<TriangleEdge>& edges, const std::vector<EdgeMeasure>& measures,
+               const QualitySurface& surface, QualityTerms& terms) {
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const EdgeMeasure& edge = measures[e];
+    if (surface.measures_edge && !surface.measures_edge(edges[e].ends[0], edges[e].ends[1])) continue;
+    if (edge.free && !std::isnan(edge.stretch)) {
+      terms.stretch_squares += edge.stretch * edge.stretch;
+      ++terms.stretched;
+    }
+    if (std::isnan(edge.turn_deg)) continue;
+    if (edge.free) terms.turns.push_back(edge.turn_deg);
+    if (edge.boundary) terms.rim_jump_max_deg = std::max(terms.rim_jump_max_deg, edge.turn_deg);
+  }
+}
+
+// The volume is the sum of the cones over all faces, for any common apex (divergence theorem).
+void report_volume(const WholeSums& whole, double resolution, Quality& quality) {
+  const bool encloses_volume = std::abs(whole.rest_cone) > resolution * whole.rest_area;
+  if (encloses_volume) quality.volume_ratio = whole.edited_cone / whole.rest_cone;
+}
+
+// Returns whether a face's normal points against the faces around its corners. Areas at rest are the weights
+// in both states, so that neither tessellation nor the growth of a face decides.
+bool looks_away(Index face, FaceShape FaceMeasure::* state, const std::vector<FaceMeasure>& faces,
+                const Triangles& triangles, const IndexLists& faces_around) {
+  Vector3d mean = Vector3d::Zero();
+  for (int c = 0; c < 3; ++c) {
+    for (const Index neighbour : faces_around[triangles(face, c)]) {
+      if (neighbour != face) mean += faces[neighbour].rest.area * (faces[neighbour].*state).normal;
+    }
+  }
+  return (faces[face].*state).normal.dot(mean) < 0;
+}
+
+std::int64_t count_flipped(const std::vector<FaceMeasure>& faces, const QualitySurface& surface,
+                           const Context& context) {
+  Flags flipped(faces.size(), 0);
+  const auto looks = [&](Index face, FaceShape FaceMeasure::* state) {
+    return looks_away(face, state, faces, surface.triangles, surface.faces_around);
+  };
+  parallel_blocks(
+      faces.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+          const auto face = static_cast<Index>(f);
+          if (!faces[f].free || !faces[f].finite() || !faces[f].rest.has_normal()) continue;
+          if (surface.measures_face && !surface.measures_face(face)) continue;
+          flipped[f] = looks(face, &FaceMeasure::edited) && !looks(face, &FaceMeasure::rest);
+        }
+      },
+      context);
+  return std::count(flipped.begin(), flipped.end(), char{1});
+}
+
+}  // namespace
+
+QualityBox quality_box(const Points& positions, const IndexLists& faces_around, const Context& context) {
+  constexpr std::size_t block_size = 16384;
+  const auto count = static_cast<std::size_t>(faces_around.size());
+  std::vector<QualityBox> blocks((count + block_size - 1) / block_size);
+  const auto box_of_block = [&](std::size_t block) {
+    QualityBox& box = blocks[block];
+    const std::size_t end = std::min(count, (block + 1) * block_size);
+    for (auto v = static_cast<Index>(block * block_size); v < static_cast<Index>(end); ++v) {
+      if (faces_around[v].empty() || !positions.row(v).allFinite()) continue;
+      box.min = box.min.cwiseMin(positions.row(v).transpose());
+      box.max = box.max.cwiseMax(positions.row(v).transpose());
+    }
+  };
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t block = begin; block < end; ++block) box_of_block(block);
+      },
+      context, 1);
+  QualityBox box;
+  for (const QualityBox& part : blocks) box.include(part);
+  return box;
+}
+
+std::pair<QualityPose, QualityPose> quality_poses(const Points& rest, const QualityBox& rest_box,
+                                                  const Points& edited, const QualityBox& edited_box) {
+  const double extent = rest_box.extent();
+  const double scale = extent > 0 && std::isfinite(extent) ? std::ldexp(1.0, -std::ilogb(extent)) : 1.0;
+  const auto pose = [&](const Points& positions, const QualityBox& box) {
+    const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
+    return QualityPose{positions, box.min / 2 + box.max / 2, scale,
+                       4 * std::numeric_limits<double>::epsilon() * largest * scale};
+  };
+  return {pose(rest, rest_box), pose(edited, edited_box)};
+}
+
+// Sums up blocks of a fixed size, so that the result does not depend on the number of threads. A face without a
+// moved vertex has the same shape in both states, unless they are measured from different centres.
+WholeSums sum_over_faces(const QualityPose& rest, const QualityPose& edited, const Triangles& triangles,
+                         const Context& context) {
+  constexpr std::size_t block_size = 4096;
+  const auto count = static_cast<std::size_t>(triangles.rows());
+  std::vector<WholeSums> blocks((count + block_size - 1) / block_size);
+  const bool same_centre = rest.centre == edited.centre;
+  const Flags moved = flag_moved(rest.positions, edited.positions, context);
+  const auto add = [&](WholeSums& sums, std::size_t f) {
+    const auto row = triangles.row(static_cast<Eigen::Index>(f));
+    const std::array<Index, 3> v{row[0], row[1], row[2]};
+    const FaceShape shape = measure_size(rest, v);
+    const bool same = same_centre && !moved[v[0]] && !moved[v[1]] && !moved[v[2]];
+    add_face(sums, shape, same ? shape : measure_size(edited, v));
+  };
+  parallel_blocks(
+      blocks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b)
+          for (std::size_t f = b * block_size; f < std::min(count, (b + 1) * block_size); ++f)
+            add(blocks[b], f);
+      },
+      context, 1);
+  WholeSums sums;
+  for (const WholeSums& block : blocks) sums.add(block);
+  return sums;
+}
+
+bool is_closed_and_oriented(const Triangles& triangles, const IndexLists& faces_around, Index vertex_count,
                             const Context& context) {
   std::atomic<bool> balanced = true, has_edges = false;
   parallel_blocks(
-      faces_around.size(),
+      static_cast<std::size_t>(vertex_count),
       [&](std::size_t begin, std::size_t end) {
         std::vector<Index> ahead, behind;  // the larger ends of edges from and to a vertex
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end) && balanced; ++v) {
@@ -418,78 +432,50 @@ bool is_closed_and_oriented(const Triangles& triangles, const IndexLists& faces_
   return balanced && has_edges;
 }
 
-// The volume is the sum of the cones over all faces, for any common apex (divergence theorem).
-void report_volume(const WholeSums& whole, double resolution, Quality& quality) {
-  const bool encloses_volume = std::abs(whole.rest_cone) > resolution * whole.rest_area;
-  if (encloses_volume) quality.volume_ratio = whole.edited_cone / whole.rest_cone;
+QualityTerms measure_terms(const QualityPose& rest, const QualityPose& edited, const QualitySurface& surface,
+                           const Context& context) {
+  const std::vector<FaceMeasure> faces =
+      measure_faces(rest, edited, surface.triangles, surface.is_free, context);
+  const std::vector<TriangleEdge> edges = list_edges(surface.triangles, surface.faces_around, context);
+  const std::vector<EdgeMeasure> measures = measure_edges(rest, edited, edges, faces, surface.is_free, context);
+  QualityTerms terms;
+  add_faces(faces, surface, terms);
+  add_edges(edges, measures, surface, terms);
+  terms.flipped_faces = count_flipped(faces, surface, context);
+  return terms;
 }
 
-void report_stretch(const std::vector<FaceMeasure>& faces, Quality& quality) {
-  std::vector<double> sigmas;
-  sigmas.reserve(2 * faces.size());
-  for (const FaceMeasure& face : faces) {
-    if (face.stretch_known) sigmas.insert(sigmas.end(), face.sigma.begin(), face.sigma.end());
+Quality quality_of_terms(const WholeSums& whole, bool is_closed, double rest_resolution, QualityTerms& terms,
+                         const QualityLists& lists) {
+  Quality quality;
+  if (whole.rest_area > 0) quality.area_ratio = whole.edited_area / whole.rest_area;
+  if (terms.rest_free_area > 0) quality.area_ratio_free = terms.edited_free_area / terms.rest_free_area;
+  if (whole.finite && is_closed) report_volume(whole, rest_resolution, quality);
+  if (terms.stretched > 0)
+    quality.edge_rms = std::sqrt(terms.stretch_squares / static_cast<double>(terms.stretched));
+  quality.rim_jump_max_deg = terms.rim_jump_max_deg;
+  quality.flipped_faces = static_cast<Index>(terms.flipped_faces);
+  const auto fill = [&](std::vector<double>& values, double percent, double& field) {
+    field = lists.percentile(values, percent);
+  };
+  if (lists.has_sigmas) {
+    fill(terms.sigmas, 0, quality.sigma_min);
+    fill(terms.sigmas, 1, quality.sigma_p1);
+    fill(terms.sigmas, 5, quality.sigma_p5);
+    fill(terms.sigmas, 50, quality.sigma_p50);
+    fill(terms.sigmas, 95, quality.sigma_p95);
+    fill(terms.sigmas, 99, quality.sigma_p99);
+    fill(terms.sigmas, 100, quality.sigma_max);
   }
-  if (sigmas.empty()) return;
-  const auto [min, max] = std::minmax_element(sigmas.begin(), sigmas.end());
-  quality.sigma_min = *min;
-  quality.sigma_max = *max;
-  quality.sigma_p1 = percentile(sigmas, 1);
-  quality.sigma_p5 = percentile(sigmas, 5);
-  quality.sigma_p50 = percentile(sigmas, 50);
-  quality.sigma_p95 = percentile(sigmas, 95);
-  quality.sigma_p99 = percentile(sigmas, 99);
-}
-
-void report_edges(const std::vector<EdgeMeasure>& edges, Quality& quality) {
-  double squares = 0;
-  std::size_t stretched = 0;
-  std::vector<double> turns;
-  for (const EdgeMeasure& edge : edges) {
-    if (edge.free && !std::isnan(edge.stretch)) {
-      squares += edge.stretch * edge.stretch;
-      ++stretched;
-    }
-    if (std::isnan(edge.turn_deg)) continue;
-    if (edge.free) turns.push_back(edge.turn_deg);
-    if (edge.boundary) quality.rim_jump_max_deg = std::max(quality.rim_jump_max_deg, edge.turn_deg);
+  if (lists.has_turns) {
+    fill(terms.turns, 50, quality.dihedral_p50_deg);
+    fill(terms.turns, 99, quality.dihedral_p99_deg);
+    fill(terms.turns, 100, quality.dihedral_max_deg);
   }
-  if (stretched > 0) quality.edge_rms = std::sqrt(squares / static_cast<double>(stretched));
-  if (turns.empty()) return;
-  quality.dihedral_p50_deg = percentile(turns, 50);
-  quality.dihedral_p99_deg = percentile(turns, 99);
-  quality.dihedral_max_deg = *std::max_element(turns.begin(), turns.end());
+  return quality;
 }
 
-// Returns whether a face's normal points against the faces around its corners. Areas at rest are the weights
-// in both states, so that neither tessellation nor the growth of a face decides.
-bool looks_away(Index face, FaceShape FaceMeasure::* state, const std::vector<FaceMeasure>& faces,
-                const Triangles& triangles, const IndexLists& faces_around) {
-  Vector3d mean = Vector3d::Zero();
-  for (int c = 0; c < 3; ++c) {
-    for (const Index neighbour : faces_around[triangles(face, c)]) {
-      if (neighbour != face) mean += faces[neighbour].rest.area * (faces[neighbour].*state).normal;
-    }
-  }
-  return (faces[face].*state).normal.dot(mean) < 0;
-}
-
-void count_flipped(const std::vector<FaceMeasure>& faces, const Triangles& triangles,
-                   const IndexLists& faces_around, const Context& context, Quality& quality) {
-  Flags flipped(faces.size(), 0);
-  parallel_blocks(
-      faces.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t f = begin; f < end; ++f) {
-          const auto face = static_cast<Index>(f);
-          if (!faces[f].free || !faces[f].finite() || !faces[f].rest.has_normal()) continue;
-          flipped[f] = looks_away(face, &FaceMeasure::edited, faces, triangles, faces_around) &&
-                       !looks_away(face, &FaceMeasure::rest, faces, triangles, faces_around);
-        }
-      },
-      context);
-  quality.flipped_faces = static_cast<Index>(std::count(flipped.begin(), flipped.end(), char{1}));
-}
+namespace {
 
 // Measures a surface with the triangles around its vertices known.
 Quality measure(const EditedMesh& mesh, const IndexLists& faces_around, std::optional<bool> is_closed,
@@ -498,26 +484,19 @@ Quality measure(const EditedMesh& mesh, const IndexLists& faces_around, std::opt
   const Points& edited = mesh.edited;
   const Triangles& triangles = mesh.triangles;
   const Flags is_free = flag_free(rest.rows(), mesh.free_vertices);
-  const auto [rest_whole, edited_whole] = make_poses(rest, edited, faces_around, context);
+  const auto [rest_whole, edited_whole] = quality_poses(rest, quality_box(rest, faces_around, context), edited,
+                                                        quality_box(edited, faces_around, context));
   const WholeSums whole = sum_over_faces(rest_whole, edited_whole, triangles, context);
-  if (!is_closed) is_closed = whole.finite && is_closed_and_oriented(triangles, faces_around, context);
+  if (!is_closed)
+    is_closed = whole.finite && is_closed_and_oriented(triangles, faces_around, faces_around.size(), context);
 
   const NearFaces near = near_faces(mesh, is_free, context);
-  const Pose rest_pose = rest_whole.of_part(near.rest), edited_pose = edited_whole.of_part(near.edited);
   const IndexLists near_around =
       vertex_triangles(static_cast<Index>(near.rest.rows()), near.triangles, context);
-  const std::vector<FaceMeasure> faces =
-      measure_faces(rest_pose, edited_pose, near.triangles, near.is_free, context);
-  const std::vector<TriangleEdge> edges = list_edges(near.triangles, near_around, context);
-  const std::vector<EdgeMeasure> edge_measures =
-      measure_edges(rest_pose, edited_pose, edges, faces, near.is_free, context);
-
-  Quality quality;
-  report_areas(whole, faces, quality);
-  if (whole.finite && *is_closed) report_volume(whole, rest_whole.resolution, quality);
-  report_stretch(faces, quality);
-  report_edges(edge_measures, quality);
-  count_flipped(faces, near.triangles, near_around, context, quality);
+  QualityTerms terms = measure_terms(rest_whole.of_part(near.rest), edited_whole.of_part(near.edited),
+                                     {near.triangles, near_around, near.is_free}, context);
+  Quality quality = quality_of_terms(whole, *is_closed, rest_whole.resolution, terms,
+                                     {!terms.sigmas.empty(), !terms.turns.empty(), percentile});
   Flags has_width = is_free;  // an unused vertex has none, and must not affect the units
   for (Index v = 0; v < faces_around.size(); ++v)
     if (faces_around[v].empty()) has_width[v] = 0;
