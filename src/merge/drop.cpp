@@ -74,7 +74,7 @@ void retry_in_hole(Trial& trial, const Mesh& source, const Context& context) {
     drop.merge = merge_meshes(trial.hole.target, source, trial.hole.pairs, options, context);
   } catch (const Error& error) {
     if (error.id() != facts::merge::PairsInvertSource::id) throw;
-    return;  // no other setting helps
+    return;  // the graft without retries stays
   }
   if (const double angle_deg = drop.merge.report.retry.normal_angle_deg; angle_deg != 0)
     drop.options.normal_angle_deg = angle_deg;

@@ -25,6 +25,9 @@ struct MadeGraft {
   GraftedSource grafted;
   SeamResult seam;
 
+  /// Number of inverted maps in the graft that had the fewest, this one or another that was tried.
+  Index fewest_inverted = 0;
+
   Index faults() const { return grafted.found.shape.inverted + seam.report.faults.total(); }
 };
 

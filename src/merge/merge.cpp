@@ -11,7 +11,6 @@
 
 #include "core/stopwatch.h"
 #include "graft_meshes.h"
-#include "match_loops.h"
 #include "match_meshes.h"
 #include "merge/facts.h"
 #include "merge_notes.h"
@@ -41,22 +40,21 @@ void drop_used_cut_normals(Mesh& mesh) {
   if (!used) mesh.attributes.erase(kept);
 }
 
-/// Throws Error(input) where several loops of one piece of the source lie so differently from those that they
-/// meet that the piece turns inside out.
-void require_no_inverting_pairs(const MatchedMeshes& matched, const GraftedSource& grafted) {
+/// Throws Error(input) where several loops of a source in one piece lie so differently from those that they
+/// meet that it turned inside out in every graft that was tried. `misfits_rel` has those of the best
+/// similarity.
+void require_no_inverting_pairs(const MatchedMeshes& matched, const MadeGraft& made,
+                                std::span<const double> misfits_rel) {
   // Measured: of random grafts with several pairs, those that stay inverted have loops 1.4 radii apart or more
   // (docs/merging.md, "Random grafts").
   constexpr double far_apart = 1;
-  const Index inverted = grafted.found.shape.inverted;
-  if (inverted == 0) return;
-  for (const std::vector<std::size_t>& members : pairs_by_component(matched.geometry, matched.component)) {
-    const std::size_t worst =
-        *std::ranges::max_element(members, {}, [&](std::size_t p) { return grafted.misfits_rel[p]; });
-    const double radii = grafted.misfits_rel[worst];
-    if (members.size() < 2 || radii <= far_apart) continue;
-    throw Error(facts::merge::PairsInvertSource{.pair = worst, .radii = radii, .vertices = inverted},
-                matched.geometry[worst].location);
-  }
+  const bool is_one_piece = std::ranges::max(matched.component) == 0;
+  if (made.fewest_inverted == 0 || misfits_rel.size() < 2 || !is_one_piece) return;
+  const auto worst = std::ranges::max_element(misfits_rel);
+  if (*worst <= far_apart) return;
+  const auto pair = static_cast<std::size_t>(worst - misfits_rel.begin());
+  throw Error(facts::merge::PairsInvertSource{.pair = pair, .radii = *worst, .vertices = made.fewest_inverted},
+              matched.geometry[pair].location);
 }
 
 }  // namespace
@@ -77,6 +75,7 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   context.step("graft");
   MadeGraft made{.correspondences = matched.correspondences};
   made.grafted = graft_source(matched, made.correspondences, options, 0, context);
+  made.fewest_inverted = made.grafted.found.shape.inverted;
   report.assemble_seconds = made.grafted.found.assemble_seconds;
   report.factorise_seconds = made.grafted.found.factorise_seconds;
   report.solve_seconds = watch.lap() - report.assemble_seconds - report.factorise_seconds;
@@ -89,8 +88,11 @@ MergeResult merge_meshes(const Mesh& target, const Mesh& source_mesh, std::span<
   // Graft again, with other settings, as long as there are faults at the seam.
   const bool may_retry =
       options.retry && options.shape == MergeShape::similar && options.pose == MergePose::find;
-  if (may_retry && made.faults() > 0) report.retry = retry_graft(matched, pairs, options, context, made);
-  if (may_retry) require_no_inverting_pairs(matched, made.grafted);
+  if (may_retry && made.faults() > 0) {
+    const std::vector<double> misfits_rel = made.grafted.misfits_rel;
+    report.retry = retry_graft(matched, pairs, options, context, made);
+    require_no_inverting_pairs(matched, made, misfits_rel);
+  }
   report.retry_seconds = watch.lap();
 
   const FoundGraft& found = made.grafted.found;

@@ -20,7 +20,7 @@ namespace {
 
 /// Returns the numbers of further grafts for all vertices of both meshes and a number of pairs.
 MostTries most_tries(Index vertices, std::size_t pairs) {
-  // Chosen: 30 further grafts and 30 combinations, and 12 where the start is not open. Meshes of 500,000
+  // Chosen: 30 further grafts and 30 combinations for one pair, and 12 for several. Meshes of 500,000
   // vertices and more get four, so that a merge takes at most five times as long.
   constexpr int fewest = 4;
   constexpr Index vertices_of_all_tries = 2'000'000;
@@ -145,7 +145,9 @@ RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair>
                                                variation.start, variation.start_shift);
     made.grafted = graft_source(matched, made.correspondences, varied, variation.doublings, of_try);
     if (made.grafted.found.doublings < variation.doublings) return impossible;
-    if (made.grafted.found.shape.inverted >= best.faults()) return impossible;
+    const Index inverted = made.grafted.found.shape.inverted;
+    best.fewest_inverted = made.fewest_inverted = std::min(best.fewest_inverted, inverted);
+    if (inverted >= best.faults()) return impossible;
     made.seam = join_source(matched, made.grafted, varied, of_try);
     const Index faults = made.faults();
     if (faults < best.faults()) best = std::move(made);
