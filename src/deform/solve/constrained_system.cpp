@@ -147,14 +147,14 @@ std::vector<double> ConstrainedSystem::stiffness_scales(const DeformerOptions& o
     if (const auto free = std::find_if(t.begin(), t.end(), is_free); free != t.end())
       sizes[components.root(*free)].area += area_of(t);
   for (Index v = 0; v < patch().size(); ++v)
-    if (is_free(v)) scales[v] = stiffness_scale(edge_length, sizes[components.root(v)]);
+    if (is_free(v)) scales[v] = stiffness_scale(edge_length, sizes[components.root(v)], options.stiffness);
   return scales;
 }
 
 /// Lists the rows w (x_i − x_j) of the edges with a free end; their right-hand side is w ½(F_i + F_j)(p_i −
 /// p_j). With `aware` their sum of squares approximates 2 √3 μ² ℓ̄²/D² ∫ ‖∂x − F‖², where D is the size of the
-/// component. E_R approximates 12 ℓ̄² ∫ ‖∂M − ∂F‖², so that neither size nor tessellation affects the balance of
-/// the two, unless a component is coarse (`stiffness_scale`).
+/// region, or of the component with `soften_coarse`. E_R approximates 12 ℓ̄² ∫ ‖∂M − ∂F‖², so that neither size
+/// nor tessellation affects the balance of the two, unless a component is coarse (`stiffness_scale`).
 void ConstrainedSystem::list_edge_rows(const DeformerOptions& options) {
   if (options.method == DeformMethod::ft05 || options.stiffness <= 0) return;
   const AffineOperator& op = operators_->rows();

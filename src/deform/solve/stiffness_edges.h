@@ -17,17 +17,18 @@ inline constexpr double anchor_share = 0.95;
 /// The size of a connected component of free vertices.
 struct FreeComponent {
   double area = 0;      ///< of the faces with a corner in it
-  double vertices = 0;  ///< their number
+  double vertices = 0;  ///< number of vertices
 };
 
-/// Returns the factor of the stiffness in the rows of a component, beside `aware` rows of E_R. It is ℓ̄/D, where
-/// ℓ̄ is the mean edge length and D = √area, or less on coarse components. At their border the balance of
+/// Returns the factor of the stiffness μ in the rows of a component, beside `aware` rows of E_R. It is ℓ̄/D,
+/// where ℓ̄ is the mean edge length and D = √area, or less on coarse components. At their border the balance of
 /// stiffness and E_R leaves a layer of the width 1.9 D/μ. Where it is narrower than two edges, single edges
-/// kink.
-inline double stiffness_scale(double mean_edge_length, const FreeComponent& component) {
-  const double edges_across = std::sqrt(component.vertices * std::numbers::sqrt3 / 2);  // of equilateral faces
+/// kink. The square and the bound were chosen by rim jumps (docs/methods.md).
+inline double stiffness_scale(double mean_edge_length, const FreeComponent& component, double stiffness) {
   const double size = component.area > 0 ? std::sqrt(component.area) : 1;
-  return mean_edge_length / size * std::clamp(std::pow(edges_across / 63, 2), 0.25, 1.0);
+  const double edges_across = std::sqrt(component.vertices * std::numbers::sqrt3 / 2);  // of equilateral faces
+  const double needed = 1.05 * stiffness;  // edges across, for a layer of two edges
+  return mean_edge_length / size * std::clamp(std::pow(edges_across / needed, 2), 0.25, 1.0);
 }
 
 /// Returns the factor of an edge: the mean of those of its ends that are free, where others have 0.
