@@ -249,6 +249,57 @@ TEST(CutCap, HolesLeaveAWall) {
   }
 }
 
+// A block along x with a notch from below, whose upper edge lies in the plane z = 0 from outline to outline.
+Mesh notched_block() {
+  const std::vector<Eigen::Vector2d> section{{-1, -1}, {-0.5, -1}, {0, 0},  {0.5, -1}, {1, -1},
+                                             {1, 0},   {1, 1},     {-1, 1}, {-1, 0}};
+  const auto count = static_cast<Index>(section.size());
+  Mesh mesh;
+  mesh.positions.resize(2 * count, 3);
+  for (Index k = 0; k < count; ++k) {
+    mesh.positions.row(k) << 0.2, section[k].x(), section[k].y();
+    mesh.positions.row(count + k) << -0.2, section[k].x(), section[k].y();
+  }
+  const std::vector<std::array<Index, 3>> end{{0, 1, 8}, {1, 2, 8}, {2, 7, 8}, {2, 6, 7},
+                                              {2, 5, 6}, {2, 3, 5}, {3, 4, 5}};
+  for (const auto& [a, b, c] : end) {
+    mesh.faces.push_back(std::array{a, b, c});
+    mesh.faces.push_back(std::array{count + a, count + c, count + b});
+  }
+  for (Index k = 0; k < count; ++k) {
+    const Index next = (k + 1) % count;
+    mesh.faces.push_back(std::array{k, count + k, count + next});
+    mesh.faces.push_back(std::array{k, count + next, next});
+  }
+  return mesh;
+}
+
+TEST(CutCap, HasNoEdgeThatTheSurfaceHasInThePlane) {
+  const Mesh block = notched_block();
+  ASSERT_TRUE(summarise_topology(block).closed);
+  const CutResult legs =
+      cut_by_plane(block, {{0, 0, 0}, {0, 0, 1}}, {.keep = CutKeep::below, .cap = CutCap::flat});
+  const TopologySummary topology = summarise_topology(legs.mesh);
+  EXPECT_TRUE(topology.manifold);
+  EXPECT_TRUE(topology.closed);
+  EXPECT_NEAR(volume(legs.mesh), 0.4 * (2 - 0.5), 1e-12);
+}
+
+TEST(CutCap, NamesTheSizeOfPinsAtFault) {
+  const auto place = [](const CutOptions& options) {
+    try {
+      cut_by_plane(cylinder(), {{0, 0, 2.7}, {0, 0, 1}}, options);
+    } catch (const Error& error) {
+      return error.location().text();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(place({.cap = CutCap::pins, .pin_diameter = 0.2, .pin_clearance = 3}), "pin_clearance");
+  EXPECT_EQ(place({.cap = CutCap::pins, .pin_diameter = 3, .pin_clearance = 0.01}), "pin_diameter");
+  EXPECT_EQ(place({.cap = CutCap::pins, .pin_diameter = 3, .pin_clearance = 3}), "pin_diameter")
+      << "neither fits without the other";
+}
+
 TEST(CutCap, GivenSizesAreKept) {
   const CutOptions options{
       .cap = CutCap::pins, .pin_count = 3, .pin_diameter = 0.3, .pin_length = 0.5, .pin_clearance = 0.02};

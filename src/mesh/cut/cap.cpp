@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -91,11 +92,32 @@ std::vector<DeepTriangle> triangles_behind(const CutResult& cut, int side, const
   return triangles;
 }
 
-// Returns the option that gives the size of pins, the diameter first; empty if none does.
-Location given_size(const CutOptions& options) {
-  if (options.pin_diameter) return "pin_diameter";
-  if (options.pin_length) return "pin_length";
-  return options.pin_clearance ? Location("pin_clearance") : Location();
+using PinSize = std::optional<double> CutOptions::*;
+
+// The options that give sizes of pins, and their names.
+constexpr std::array<std::pair<PinSize, const char*>, 3> pin_size_options{
+    {{&CutOptions::pin_diameter, "pin_diameter"},
+     {&CutOptions::pin_length, "pin_length"},
+     {&CutOptions::pin_clearance, "pin_clearance"}}};
+
+bool has_pins(const std::vector<PinFit>& fits) {
+  return std::any_of(fits.begin(), fits.end(), [](const PinFit& fit) { return !fit.centres.empty(); });
+}
+
+// Returns the given size without which pins fit, or else the first that is given. Throws Error(input) if none
+// is.
+template <class FitsOf>
+Location size_at_fault(const CutOptions& options, const FitsOf& fits_of) {
+  std::optional<Location> first;
+  for (const auto& [size, name] : pin_size_options) {
+    if (!(options.*size)) continue;
+    if (!first) first = Location(name);
+    CutOptions without = options;
+    (without.*size).reset();
+    if (has_pins(fits_of(without))) return Location(name);
+  }
+  if (!first) throw Error(facts::mesh::NoRoomForPins{});
+  return *first;
 }
 
 void add_notes(const std::vector<PinFit>& fits, std::vector<Note>& notes) {
@@ -116,6 +138,53 @@ void add_notes(const std::vector<PinFit>& fits, std::vector<Note>& notes) {
   if (empty > 0) notes.emplace_back(facts::mesh::CapsWithoutPins{.count = empty});
 }
 
+using Edge = std::pair<Index, Index>;  // the smaller vertex first
+
+Edge edge_of(Index a, Index b) { return std::minmax(a, b); }
+
+// Returns the edges of one half's surface.
+std::set<Edge> edges_of_half(const CutResult& cut, int side) {
+  std::set<Edge> edges;
+  Flags on_cut(cut.mesh.vertex_count(), 0);
+  for (const auto& loop : cut.loops)
+    for (const Index v : loop) on_cut[v] = 1;
+  for (Index f = 0; f < cut.mesh.face_count(); ++f) {
+    if (cut.face_side[f] != side) continue;
+    const auto face = cut.mesh.faces[f];
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Index a = face[k], b = face[(k + 1) % face.size()];
+      if (on_cut[a] && on_cut[b]) edges.insert(edge_of(a, b));
+    }
+  }
+  return edges;
+}
+
+// Returns the edges inside a cap that the surface has, too: it has faces in the plane there.
+std::set<Edge> shared_diagonals(const std::vector<Triangle>& cap, const std::set<Edge>& surface) {
+  std::set<Edge> seen, shared;
+  for (const Triangle& triangle : cap)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Edge edge = edge_of(triangle[k], triangle[(k + 1) % 3]);
+      if (!seen.insert(edge).second && surface.contains(edge)) shared.insert(edge);
+    }
+  return shared;
+}
+
+// Divides the triangles at an edge by a vertex on it.
+void split_edge(std::vector<Triangle>& triangles, const Edge& edge, Index middle) {
+  const std::size_t count = triangles.size();
+  for (std::size_t t = 0; t < count; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      if (edge_of(triangles[t][k], triangles[t][next]) != edge) continue;
+      Triangle other = triangles[t];
+      other[k] = middle;
+      triangles[t][next] = middle;
+      triangles.push_back(other);
+      break;
+    }
+}
+
 // The new faces and vertices of the caps of one half.
 class HalfCaps {
  public:
@@ -126,8 +195,9 @@ class HalfCaps {
         has_pins_(carries_pins(side, options)),
         first_new_(cut.mesh.vertex_count()),
         half_(outlines_of(cut, side, frame, context)) {
+    const std::set<Edge> surface = edges_of_half(cut, side);
     for (std::size_t k = 0; k < half_.regions.size(); ++k) {
-      add_cap(half_.regions[k], k < fits.size() ? fits[k] : PinFit{}, context);
+      add_cap(half_.regions[k], k < fits.size() ? fits[k] : PinFit{}, surface, context);
       vertex_sample_.resize(vertices_.size(), half_.regions[k].outer.front());
       face_sample_.resize(faces_.size(), half_.regions[k].outer.front());
     }
@@ -142,13 +212,19 @@ class HalfCaps {
   const std::vector<Index>& face_sample() const { return face_sample_; }
 
  private:
-  void add_cap(CapRegion region, const PinFit& fit, const Context& context) {
+  // An edge of the surface may not be one of the cap, too: it would have four faces.
+  void add_cap(CapRegion region, const PinFit& fit, const std::set<Edge>& surface, const Context& context) {
     std::vector<Outline> mouths;
     for (const Point2& centre : fit.centres) {
       mouths.push_back(add_ring(centre, mouth_radius(fit), 0));
       region.inner.emplace_back(mouths.back().rbegin(), mouths.back().rend());
     }
-    for (const Triangle& triangle : triangulate_region(half_.points, region, context)) add_face(triangle);
+    std::vector<Triangle> triangles = triangulate_region(half_.points, region, context);
+    for (const Edge& edge : shared_diagonals(triangles, surface)) {
+      const Point2 a = half_.points[edge.first], b = half_.points[edge.second];
+      split_edge(triangles, edge, add_vertex({(a[0] + b[0]) / 2, (a[1] + b[1]) / 2}, 0));
+    }
+    for (const Triangle& triangle : triangles) add_face(triangle);
     for (std::size_t k = 0; k < mouths.size(); ++k) add_body(mouths[k], fit.centres[k], fit);
   }
 
@@ -332,16 +408,17 @@ std::vector<PinFit> fit_pins(const CutResult& both, const PlaneFrame& frame, con
   const int hole_side = options.pin_side == PinSide::above ? -1 : 1;
   const HalfOutlines half = outlines_of(both, hole_side, frame, context);
   const std::vector<DeepTriangle> behind = triangles_behind(both, hole_side, frame);
-  std::vector<PinFit> fits;
-  for (const CapRegion& region : half.regions)
-    fits.push_back(fit_pins(half.points, region, behind, options, context));
-  if (std::any_of(fits.begin(), fits.end(), [](const PinFit& fit) { return !fit.centres.empty(); }))
+  const auto fits_of = [&](const CutOptions& sizes) {
+    std::vector<PinFit> fits;
+    for (const CapRegion& region : half.regions)
+      fits.push_back(fit_pins(half.points, region, behind, sizes, context));
     return fits;
-  const Location size = given_size(options);
-  if (size.empty()) throw Error(facts::mesh::NoRoomForPins{});
+  };
+  std::vector<PinFit> fits = fits_of(options);
+  if (has_pins(fits)) return fits;
   throw Error(facts::mesh::PinsDoNotFit{.diameter = options.pin_diameter.value_or(0),
                                         .length = options.pin_length.value_or(0)},
-              size);
+              size_at_fault(options, fits_of));
 }
 
 void close_cut(CutResult& cut, const PlaneFrame& frame, const std::vector<PinFit>& fits,
