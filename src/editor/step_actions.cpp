@@ -39,14 +39,16 @@ bool is_produced_by(const Json& json, const std::set<std::string>& steps) {
   return std::ranges::any_of(json, [&](const Json& part) { return is_produced_by(part, steps); });
 }
 
+// The fields in which the two cuts that divide an object agree.
+constexpr std::array fields_of_both_halves{"mesh", "plane", "loop", "snap", "cap", "pins"};
+
 bool is_other_half(const Json& one, const Json& other) {
   const auto is_alike = [&](const char* field) {
     return one.value(field, Json()) == other.value(field, Json());
   };
   if (one["kind"] != "cut" || other["kind"] != "cut") return false;
   const std::set<Json> sides{one.value("keep", Json()), other.value("keep", Json())};
-  return sides == std::set<Json>{"above", "below"} &&
-         std::ranges::all_of(std::array{"mesh", "plane", "loop", "snap", "cap", "pins"}, is_alike);
+  return sides == std::set<Json>{"above", "below"} && std::ranges::all_of(fields_of_both_halves, is_alike);
 }
 
 // Returns the cut of the other half, if the step is one of two cuts that divide an object; else null.
@@ -56,11 +58,13 @@ Json* other_half(Json& steps, std::size_t index) {
   return nullptr;
 }
 
-// Makes the fields of one cut those of the cut of the other half.
-void change_other_half(Json& other, Json fields) {
+// Makes changed fields of one cut those of the cut of the other half.
+void change_other_half(Json& other, const Json& fields) {
+  Json common = Json::object();
+  for (const char* field : fields_of_both_halves)
+    if (fields.contains(field)) common[field] = fields[field];
+  replace_fields(other, common);
   const Json keep = fields.value("keep", Json());
-  fields.erase("keep");
-  replace_fields(other, fields);
   if (keep == "above" || keep == "below") other["keep"] = keep == "above" ? "below" : "above";
 }
 

@@ -1,5 +1,6 @@
 // A cut that divides an object in two, each of which is an object.
 #include <string>
+#include <vector>
 
 #include <meshgraft/mesh/topology.h>
 
@@ -67,6 +68,16 @@ TEST_F(Halves, AreCutAlikeWhenTheCutIsChanged) {
   page_.ask({{"do", "step"}, {"what", "change"}, {"index", 0}, {"fields", {{"keep", "above"}}}});
   EXPECT_NEAR(highest(exported("bar")), 1.1, 1e-6);
   EXPECT_NEAR(lowest(exported("bar 2")), 1.1, 1e-6);
+}
+
+TEST_F(Halves, ShareTheFieldsOfTheCutAlone) {
+  divide();
+  page_.ask({{"do", "step"}, {"what", "change"}, {"index", 1}, {"fields", {{"about", "the red one"}}}});
+  page_.ask({{"do", "save"}, {"edit", "halves.json"}});
+  std::vector<std::string> remarks;
+  for (const EditStep& step : read_edit_file(folder_ / "halves.json").steps)
+    if (!step.about.empty()) remarks.push_back(step.about);
+  EXPECT_EQ(remarks, std::vector<std::string>{"the red one"});
 }
 
 TEST_F(Halves, ArePartsThatCanBeRemovedAndDividedAgain) {
