@@ -16,9 +16,10 @@ import { Viewport } from "./view/viewport";
 import "./style.css";
 
 const view = new ViewSettings();
-rememberSettings({ theme: view.theme, unitsOfFolders: view.unitsOfFolders, upsOfModels: view.upsOfModels, grid: view.grid, panels: view.panels });
+rememberSettings({ theme: view.theme, unitsOfFolders: view.unitsOfFolders, upsOfModels: view.upsOfModels, frontsOfModels: view.frontsOfModels, grid: view.grid, panels: view.panels });
 followOtherTabs("unitsOfFolders", view.unitsOfFolders);
 followOtherTabs("upsOfModels", view.upsOfModels);
+followOtherTabs("frontsOfModels", view.frontsOfModels);
 const viewport = new Viewport(view);
 const shownBox = followShownBox(viewport);
 const editor = new Editor(takeToken(), viewport, view);

@@ -77,6 +77,21 @@ Eigen::Affine3d whole_map(const MergeOutcome& merge) {
 
 double scale_of(const Eigen::Affine3d& map) { return std::cbrt(std::abs(map.linear().determinant())); }
 
+// Returns where each vertex of the result was before the source was deformed: at the target's position, or at
+// the source's in its final placement. NaN for vertices that neither has.
+Points rest_of(const ShownGraft& graft) {
+  const MergeOutcome& merge = *graft.report.merge;
+  Points rest = Points::Constant(graft.mesh.vertex_count(), 3, std::numeric_limits<double>::quiet_NaN());
+  const auto place = [&](const Mesh& mesh, const IndexMap& map, const Eigen::Affine3d& placement) {
+    for (Index v = 0; v < mesh.vertex_count(); ++v)
+      if (const Index now = map.new_index[v]; now >= 0)
+        rest.row(now) = (placement * Eigen::Vector3d(mesh.positions.row(v))).transpose();
+  };
+  place(graft.source.mesh(), merge.source_map, whole_map(merge));
+  place(graft.target.mesh(), merge.target_map, Eigen::Affine3d::Identity());
+  return rest;
+}
+
 // Describes the plane of a base in the source's original coordinates.
 Json base_summary(const BaseReport& base, const Eigen::Affine3d& posing) {
   const Eigen::Vector3d point = posing.inverse() * base.point;
@@ -129,6 +144,9 @@ std::vector<std::byte> graft_frame(const ShownGraft& graft) {
                                              {"seconds", graft.report.seconds.total}});
   const Triangulation surface = triangulate(graft.mesh, {.skip_out_of_range = true});
   add_surface(message, graft.mesh, surface.triangles, offset);
+  add_corner_uv(message, graft.mesh, surface.triangles, surface.face);
+  add_shared_pictures(message, graft.mesh, surface.face, {&graft.target, &graft.source});
+  message.add("rest", relative_to(offset, rest_of(graft)));
   message.add("origin", origins(merge, surface, graft.mesh.face_count()));
   add_lines(message, merge.report, offset);
   return message.bytes();

@@ -22,8 +22,8 @@ struct ShownGraft {
   bool dragged = false;
 };
 
-/// Returns a message with the joined mesh, the origin of its triangles, and lines from the source's loops to
-/// their positions in the result.
+/// Returns a message with the joined mesh, its shape before the deformation, the origin of its triangles, and
+/// lines from the source's loops to their positions in the result. Its textures are those of the two meshes.
 std::vector<std::byte> graft_frame(const ShownGraft& graft);
 
 /// Returns the fields of the event `graft`.

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <numeric>
+#include <ranges>
 #include <string>
 #include <utility>
 
@@ -54,18 +55,119 @@ void add_surface(BinaryMessage& message, const Mesh& mesh, const Triangles& tria
 
 namespace {
 
-// Adds the uv of the corners of triangles, 2 numbers each.
-void add_corner_uv(BinaryMessage& message, const Object& object) {
-  const Mesh& mesh = object.mesh();
+/// Reads texture images for a message, within a size limit of one image and of all.
+class PictureReader {
+ public:
+  explicit PictureReader(const Folders& folders) : folders_(folders) {}
+
+  /// Returns the image's bytes, and none where it must not be read, cannot be read, or exceeds a limit.
+  std::string read(const MaterialTexture& texture) {
+    try {
+      std::string bytes = texture.file.empty() ? *texture.bytes : read(texture.file);
+      budget_.charge(bytes.size());
+      return bytes;
+    } catch (const std::exception&) {
+      return {};  // the surface is shown without it
+    }
+  }
+
+ private:
+  std::string read(const std::filesystem::path& file) const {
+    MemoryBudget one(most_bytes_of_one);
+    return read_file(folders_.inside(file), one);
+  }
+
+  static constexpr std::uint64_t most_bytes_of_one = std::uint64_t{1} << 28,
+                                 most_bytes = std::uint64_t{1} << 29;
+
+  const Folders& folders_;
+  MemoryBudget budget_{most_bytes};
+};
+
+bool is_same_picture(const MaterialTexture& a, const MaterialTexture& b) {
+  const bool same_bytes = a.bytes == b.bytes || (a.bytes && b.bytes && *a.bytes == *b.bytes);
+  return a.file == b.file && same_bytes;
+}
+
+// Returns the number of an image among others, from 1; 0 where it is not there.
+Index number_in(const std::vector<MaterialTexture>& pictures, const MaterialTexture& picture) {
+  const auto found =
+      std::ranges::find_if(pictures, [&](const auto& one) { return is_same_picture(one, picture); });
+  return found == pictures.end() ? 0 : static_cast<Index>(found - pictures.begin()) + 1;
+}
+
+// The texture images of a mesh, each once though several materials show it. The attribute `values` holds an
+// index into `numbers` per face; null: 0 for all faces.
+struct Pictures {
+  const Attribute* values = nullptr;
+  std::vector<Index> numbers;  ///< of images, from 1; 0: none
+  std::vector<MaterialTexture> all;
+
+  void add(const MaterialTexture& texture) {
+    if (texture.file.empty() && !texture.bytes) return numbers.push_back(0);
+    if (number_in(all, texture) == 0) all.push_back(texture);
+    numbers.push_back(number_in(all, texture));
+  }
+  Index number_of(Index face) const {
+    const double value = values == nullptr ? 0 : values->values[face];
+    const bool is_known = value >= 0 && value < static_cast<double>(numbers.size());
+    return is_known ? numbers[static_cast<std::size_t>(value)] : 0;
+  }
+};
+
+Pictures pictures_of(const Mesh& mesh) {
+  Pictures pictures;
+  const std::vector<MaterialTexture> textures = textures_of(mesh);
+  pictures.values = mesh.find_attribute(Domain::face, "material");
+  if (pictures.values == nullptr) {
+    pictures.values = mesh.find_attribute(Domain::face, "texnumber");
+    for (const MaterialTexture& texture : textures) pictures.add(texture);
+    return pictures;
+  }
+  for (const std::string& label : pictures.values->labels) {
+    const auto of_label = [&](const MaterialTexture& texture) { return texture.material == label; };
+    const auto last = std::find_if(textures.rbegin(), textures.rend(), of_label);
+    pictures.add(last == textures.rend() ? MaterialTexture{} : *last);
+  }
+  return pictures;
+}
+
+void add_numbers(BinaryMessage& message, const Pictures& pictures, const std::vector<Index>& faces) {
+  std::vector<Index> numbers;
+  for (const Index face : faces) numbers.push_back(pictures.number_of(face));
+  message.add("pictures", numbers);
+}
+
+// Adds texture images and, per triangle, the number of its image.
+void add_textures(BinaryMessage& message, const Object& object, const Folders& folders) {
+  Pictures pictures = pictures_of(object.mesh());
+  PictureReader reader(folders);
+  bool has_any = false;
+  for (std::size_t i = 0; i < pictures.all.size(); ++i) {
+    const auto number = static_cast<Index>(i) + 1;
+    const std::string bytes = reader.read(pictures.all[i]);
+    if (bytes.empty()) std::ranges::replace(pictures.numbers, number, 0);
+    if (bytes.empty()) continue;
+    has_any = true;
+    const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    message.add("picture", std::span(begin, bytes.size()), number);
+  }
+  if (has_any) add_numbers(message, pictures, object.triangle_faces);
+}
+
+}  // namespace
+
+void add_corner_uv(BinaryMessage& message, const Mesh& mesh, const Triangles& triangles,
+                   const std::vector<Index>& faces) {
   const Attribute* uv = mesh.find_attribute(Domain::corner, "uv");
   if (uv == nullptr || uv->components != 2) return;
   std::vector<float> numbers;
-  numbers.reserve(2 * object.triangles.size());
-  for (Index t = 0; t < object.triangles.rows(); ++t) {
-    const Index face = object.triangle_faces[t];
+  numbers.reserve(2 * static_cast<std::size_t>(triangles.size()));
+  for (Index t = 0; t < triangles.rows(); ++t) {
+    const Index face = faces[t];
     const auto corners = mesh.faces[face];
     for (int k = 0; k < 3; ++k) {
-      const auto corner = std::find(corners.begin(), corners.end(), object.triangles(t, k)) - corners.begin();
+      const auto corner = std::find(corners.begin(), corners.end(), triangles(t, k)) - corners.begin();
       const auto at = static_cast<std::size_t>(2 * (mesh.faces.first_corner(face) + corner));
       for (std::size_t i = 0; i < 2; ++i)
         numbers.push_back(std::isfinite(uv->values[at + i]) ? static_cast<float>(uv->values[at + i]) : 0.0F);
@@ -74,93 +176,20 @@ void add_corner_uv(BinaryMessage& message, const Object& object) {
   message.add("corner_uv", numbers);
 }
 
-/// Adds texture images to a message, each once though several materials show it.
-class PictureSender {
- public:
-  PictureSender(BinaryMessage& message, const Folders& folders) : message_(message), folders_(folders) {}
-
-  /// Returns the number of the image in the message, from 1. Returns 0 where it must not be read, cannot be
-  /// read, or exceeds the size limit of one image or of all.
-  Index send(const MaterialTexture& texture) {
-    const auto [known, is_new] = numbers_.try_emplace({texture.file, texture.bytes.get()}, 0);
-    if (is_new) known->second = add(texture);
-    return known->second;
+void add_shared_pictures(BinaryMessage& message, const Mesh& mesh, const std::vector<Index>& faces,
+                         std::initializer_list<const Object*> senders) {
+  const Pictures pictures = pictures_of(mesh);
+  if (pictures.all.empty()) return;
+  std::map<Index, std::vector<Index>> shared;  // the mesh and its number of each image
+  for (const Object* sender : senders) {
+    const Pictures sent = pictures_of(sender->mesh());
+    for (std::size_t i = 0; i < pictures.all.size(); ++i)
+      if (const Index number = number_in(sent.all, pictures.all[i]); number > 0)
+        shared.try_emplace(static_cast<Index>(i) + 1, std::vector<Index>{sender->id, number});
   }
-
-  Index count() const { return count_; }
-
- private:
-  Index add(const MaterialTexture& texture) {
-    try {
-      const std::string of_file = texture.file.empty() ? std::string() : read(texture.file);
-      const std::string& bytes = texture.bytes ? *texture.bytes : of_file;
-      if (bytes.empty()) return 0;
-      budget_.charge(bytes.size());
-      const auto* begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
-      message_.add("picture", std::span(begin, bytes.size()), ++count_);
-      return count_;
-    } catch (const std::exception&) {
-      return 0;  // the surface is shown without it
-    }
-  }
-
-  std::string read(const std::filesystem::path& texture) const {
-    MemoryBudget one(most_bytes_of_one);
-    return read_file(folders_.inside(texture), one);
-  }
-
-  static constexpr std::uint64_t most_bytes_of_one = std::uint64_t{1} << 28,
-                                 most_bytes = std::uint64_t{1} << 29;
-
-  BinaryMessage& message_;
-  const Folders& folders_;
-  std::map<std::pair<std::filesystem::path, const std::string*>, Index> numbers_;
-  MemoryBudget budget_{most_bytes};
-  Index count_ = 0;
-};
-
-// Texture images of faces. The attribute `numbers` holds the index into `textures` per face; null: 0 for all
-// faces.
-struct Pictures {
-  const Attribute* numbers = nullptr;
-  std::vector<MaterialTexture> textures;  ///< indexed by the values of `numbers`
-};
-
-Pictures pictures_of(const Mesh& mesh) {
-  Pictures pictures;
-  const Attribute* material = mesh.find_attribute(Domain::face, "material");
-  if (material == nullptr) {
-    pictures.textures = textures_of(mesh);
-    pictures.numbers = mesh.find_attribute(Domain::face, "texnumber");
-    return pictures;
-  }
-  pictures.numbers = material;
-  pictures.textures.resize(material->labels.size());
-  for (MaterialTexture& texture : textures_of(mesh)) {
-    const auto label = std::find(material->labels.begin(), material->labels.end(), texture.material);
-    if (label == material->labels.end()) continue;
-    pictures.textures[label - material->labels.begin()] = std::move(texture);
-  }
-  return pictures;
+  for (const auto& [number, from] : shared) message.add("shared_picture", from, number);
+  if (!shared.empty()) add_numbers(message, pictures, faces);
 }
-
-// Adds texture images and, per triangle, the number of its image.
-void add_textures(BinaryMessage& message, const Object& object, const Folders& folders) {
-  const auto [numbers, textures] = pictures_of(object.mesh());
-  PictureSender sender(message, folders);
-  std::vector<Index> sent;  // number of the image in the message, or 0 where it cannot be shown
-  for (const MaterialTexture& texture : textures) sent.push_back(sender.send(texture));
-  if (sender.count() == 0) return;
-  std::vector<Index> pictures;
-  for (const Index face : object.triangle_faces) {
-    const double number = numbers == nullptr ? 0 : numbers->values[face];
-    const bool is_known = number >= 0 && number < static_cast<double>(sent.size());
-    pictures.push_back(is_known ? sent[static_cast<std::size_t>(number)] : 0);
-  }
-  message.add("pictures", pictures);
-}
-
-}  // namespace
 
 std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, const Folders& folders) {
   Json header = header_of(object);
@@ -170,7 +199,7 @@ std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, c
   header["faces"] = object.mesh().face_count();
   BinaryMessage message(MessageKind::mesh, std::move(header));
   add_surface(message, object.mesh(), object.triangles, object.offset);
-  add_corner_uv(message, object);
+  add_corner_uv(message, object.mesh(), object.triangles, object.triangle_faces);
   add_textures(message, object, folders);
   return message.bytes();
 }

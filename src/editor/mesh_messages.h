@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <vector>
 
 #include <meshgraft/deform/deformer.h>
@@ -21,6 +22,16 @@ std::vector<std::byte> mesh_frame(const Object& object, std::string_view role, c
 /// Adds positions relative to `offset`, triangles, normals, uv and colours of a mesh.
 void add_surface(BinaryMessage& message, const Mesh& mesh, const Triangles& triangles,
                  const Eigen::RowVector3d& offset);
+
+/// Adds the uv of the corners of triangles, 2 numbers each, where the mesh has them. `faces`: per triangle, the
+/// face that contains it.
+void add_corner_uv(BinaryMessage& message, const Mesh& mesh, const Triangles& triangles,
+                   const std::vector<Index>& faces);
+
+/// Adds, per triangle, the number of its texture image. The images themselves are those that the page has from
+/// the messages of `senders`: each is named by the number of that mesh and its number there.
+void add_shared_pictures(BinaryMessage& message, const Mesh& mesh, const std::vector<Index>& faces,
+                         std::initializer_list<const Object*> senders);
 
 /// Returns the boundary loops of an object.
 std::vector<std::byte> loops_frame(const Object& object);

@@ -31,13 +31,13 @@ Json print_json(const PrintCheck& check) {
 }  // namespace
 
 Json Worker::print_check(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "up", "overhang_deg", "least_wall"});
+  const json::Object fields(message, {"id", "do", "mesh", "up", "overhang_deg", "least_wall"});
   PrintCheckOptions options;
   fields.optional("up", [&](const json::Value& v) { options.up = v.direction(); });
   fields.optional("overhang_deg", [&](const json::Value& v) { options.overhang_deg = v.number_in(0, 90); });
   fields.optional("least_wall", [&](const json::Value& v) { options.least_wall = v.non_negative_number(); });
   auto checked = std::make_unique<CheckedPrint>();
-  checked->mesh = open_one().outcome(context).mesh;
+  checked->mesh = open_one().outcome_for(object_of(fields)->name, context).mesh;
   checked->check = check_print(checked->mesh, options, context);
   print_ = std::move(checked);
   return {{"print", print_json(print_->check)}};

@@ -49,6 +49,26 @@ TEST_F(GraftEditor, PairsByItselfAndTellsHowSure) {
   expect_replayed(frame);
 }
 
+TEST_F(GraftEditor, ShowsTheShapeBeforeTheDeformation) {
+  open_bust_and_head();
+  const Json event = graft({{"source", "head"}});
+  ASSERT_FALSE(event.contains("error")) << event;
+  const Frame frame = shown(event);
+  const Points bust = make_sample("bust", 20).positions, head = make_sample("head", 18).positions;
+  const std::vector<float>& rest = frame.numbers.at("rest");
+  ASSERT_EQ(rest.size(), static_cast<std::size_t>(3 * (bust.rows() + head.rows())));
+  ASSERT_EQ(rest.size(), frame.numbers.at("positions").size());
+  for (Eigen::Index v = 0; v < bust.rows() + head.rows(); ++v) {
+    const Eigen::Vector3d expected = v < bust.rows()
+                                         ? Eigen::Vector3d(bust.row(v))
+                                         : applied(event["transform"], head.row(v - bust.rows()).transpose());
+    for (int k = 0; k < 3; ++k)
+      ASSERT_NEAR(rest[static_cast<std::size_t>(3 * v + k)] + frame.header["offset"][k].get<double>(),
+                  expected(k), 1e-5)
+          << v;
+  }
+}
+
 TEST_F(GraftEditor, TellsTheStartsThatOneMayMean) {
   page_.ask({{"do", "open"}, {"sample", "cylinder"}, {"resolution", 20}});
   page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "cylinder"}, {"resolution", 20}, {"name", "tube"}});

@@ -1,3 +1,4 @@
+import { partToMirror } from "./graft/mirror_latest";
 import type { Editor } from "./editor";
 import type { SelectionChange } from "./graft/graft";
 import type { Command } from "./keys";
@@ -236,6 +237,11 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
       id: "select-seam", group: "select", label: "Select the seam", keys: [],
       help: "Selects the seam of the latest graft with a margin, to smooth it.",
       run: () => void selectSeam(), enabled: hasSeam,
+    },
+    {
+      id: "mirror-graft", group: "select", label: "Mirrored copy", keys: [],
+      help: "Grafts the same part on the other side, as a mirror image: at the plane of Symmetry, or else between left and right.",
+      run: () => void editor.mirrorGraft(), enabled: () => partToMirror(editor) !== undefined,
     },
     {
       id: "make-handle", group: "select", label: "Make handle", keys: ["shift+H"],

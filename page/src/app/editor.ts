@@ -1,3 +1,4 @@
+import { mirrorLatestGraft } from "./graft/mirror_latest";
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
@@ -168,6 +169,7 @@ export class Editor {
       marking: this.marking,
       ask: (request) => this.ask(request),
       up: () => this.viewport.navigation.axes()[2].toArray(),
+      showPart: (name) => this.graft.showPart(name),
     });
     this.library = new Library((request) => this.connection.send(request));
     effect(() => this.rememberDocument());
@@ -206,6 +208,10 @@ export class Editor {
         if ((await this.ask(request)) === undefined) return;
     };
     return { label: `Use ${formatNumber(asPercent(tolerance))} %`, run: () => void run() };
+  }
+  /** Grafts the part that was grafted last once more, on the other side. */
+  mirrorGraft(): Promise<void> {
+    return mirrorLatestGraft(this, this.viewport);
   }
   /** Turns symmetry on, across the middle of the model, or off. */
   async setSymmetry(on: boolean): Promise<void> {

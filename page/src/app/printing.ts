@@ -9,6 +9,8 @@ export interface PrintingLinks {
   readonly state: ReadonlySignal<DocumentState | null>;
   readonly marking: Marking;
   ask(request: PageRequest): Promise<Outcome | undefined>;
+  /** Shows a part beside the model. */
+  showPart(name: string): void;
   /** Returns the direction away from the bed. */
   up(): Vector;
 }
@@ -17,6 +19,8 @@ export interface PrintingLinks {
 export class Printing {
   /** What was found; null if nothing was checked since the last change. */
   readonly result = signal<PrintCheck | null>(null);
+  /** The object that is checked; empty: the model. */
+  readonly object = signal("");
   readonly overhangDeg = signal(45);
   /** Thinnest wall that can be printed, model units. */
   readonly leastWall = signal(0);
@@ -24,13 +28,27 @@ export class Printing {
   constructor(private readonly links: PrintingLinks) {}
 
   async check(): Promise<void> {
+    const object = this.checked();
     const answer = await this.links.ask({
       do: "print-check",
+      ...(object !== undefined && { mesh: object.name }),
       up: this.links.up(),
       overhang_deg: this.overhangDeg.value,
       least_wall: this.leastWall.value,
     });
     if (answer?.print !== undefined) this.result.value = answer.print;
+  }
+
+  /** The part that is checked; undefined for the model. */
+  checked(): DocumentState["parts"][number] | undefined {
+    return this.links.state.value?.parts.find(({ name }) => name === this.object.value);
+  }
+
+  /** Chooses the object that is checked. */
+  choose(name: string): void {
+    this.links.marking.hide();
+    this.object.value = name;
+    this.result.value = null;
   }
 
   /** Checks again if there was a check, because a limit has changed. */
@@ -44,7 +62,9 @@ export class Printing {
   }
 
   toggle(finding: PrintFinding): Promise<void> {
-    return this.links.marking.toggle(keyOf(finding), { do: "mark", print: finding });
+    const object = this.checked();
+    if (object !== undefined && !this.isMarked(finding)) this.links.showPart(object.name);
+    return this.links.marking.toggle(keyOf(finding), { do: "mark", print: finding, ...(object !== undefined && { mesh: object.name }) });
   }
 
   /** Forgets what was found before a change. */

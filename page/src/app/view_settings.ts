@@ -1,10 +1,11 @@
-import { computed, signal } from "@preact/signals";
+import { batch, computed, signal } from "@preact/signals";
 import type { Unit } from "./units";
+import type { Axis, Upright } from "./upright";
 
 export type Shading = "clay" | "smooth" | "flat" | "texture" | "vertex-colours";
 export type HeatMap = "none" | "stretch" | "seam" | "detail"; // detail: ‖δ‖; seam: of the current graft
 
-export type Up = "auto" | "y" | "z";
+export type Up = "auto" | Axis;
 
 /** The settings of the display, changed by panels and read by the view. */
 export class ViewSettings {
@@ -31,11 +32,15 @@ export class ViewSettings {
     () => this.fileUnit.value === "none" && this.unitsOfFolders.value[this.folder.value] === undefined,
   );
   /** The vertical axis of models, as the user chose it, by `model`. */
-  readonly upsOfModels = signal<Readonly<Record<string, "y" | "z">>>({});
+  readonly upsOfModels = signal<Readonly<Record<string, Axis>>>({});
+  /** The front of models, as the user chose it, by `model`. */
+  readonly frontsOfModels = signal<Readonly<Record<string, Axis>>>({});
   /** The path of the shown model. Without one: its sample, or the name and size of a dropped file. */
   readonly model = signal("");
   /** The vertical axis; auto: as in the model. */
   readonly up = computed((): Up => this.upsOfModels.value[this.model.value] ?? "auto");
+  /** The front that the user chose for the shown model. */
+  readonly front = computed((): Axis | undefined => this.frontsOfModels.value[this.model.value]);
   readonly orthographic = signal(false);
   readonly grid = signal(true); // on the ground
   readonly panels = signal(true); // at the right of the view
@@ -43,8 +48,21 @@ export class ViewSettings {
 
   /** Takes the vertical axis that the user chose for the shown model. */
   chooseUp(up: Up): void {
-    const { [this.model.value]: _, ...others } = this.upsOfModels.value;
-    this.upsOfModels.value = up === "auto" ? others : { ...others, [this.model.value]: up };
+    this.upsOfModels.value = withEntry(this.upsOfModels.value, this.model.value, up === "auto" ? undefined : up);
+  }
+  /** Takes how the shown model stands. */
+  stand({ up, front }: Upright): void {
+    batch(() => {
+      this.chooseUp(up);
+      this.frontsOfModels.value = withEntry(this.frontsOfModels.value, this.model.value, front);
+    });
+  }
+  /** Forgets how the user put the shown model. */
+  standAsInFile(): void {
+    batch(() => {
+      this.chooseUp("auto");
+      this.frontsOfModels.value = withEntry(this.frontsOfModels.value, this.model.value, undefined);
+    });
   }
   /** Takes the unit that the file of the shown model names. */
   setFileUnit(unit: Unit): void {
@@ -56,4 +74,10 @@ export class ViewSettings {
     if (this.fileUnit.value === "none") this.unitsOfFolders.value = { ...this.unitsOfFolders.value, [this.folder.value]: unit };
     else this.otherUnit.value = unit;
   }
+}
+
+/** Returns a record with one entry set, or removed where it is undefined. */
+function withEntry<Value>(record: Readonly<Record<string, Value>>, key: string, value: Value | undefined): Readonly<Record<string, Value>> {
+  const { [key]: _, ...others } = record;
+  return value === undefined ? others : { ...others, [key]: value };
 }

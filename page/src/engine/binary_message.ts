@@ -80,6 +80,13 @@ export class BinaryMessage {
       if (name === "picture" && array instanceof Uint8Array) found.set(Number(owner), array as Uint8Array<ArrayBuffer>);
     return found;
   }
+  /** Returns the mesh that has each picture, and the picture's number there, by the number that it has here. */
+  sharedPictures(): Map<number, readonly [mesh: number, number: number]> {
+    const found = new Map<number, readonly [number, number]>();
+    for (const { name, owner, array } of this.owned)
+      if (name === "shared_picture") found.set(Number(owner), [array[0] ?? 0, array[1] ?? 0]);
+    return found;
+  }
   floats(name: string): Float32Array | undefined {
     const array = this.arrays.get(name);
     return array instanceof Float32Array ? array : undefined;

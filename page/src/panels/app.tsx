@@ -1,6 +1,8 @@
+import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { Page } from "../app/page";
 import { Announcer } from "./announcer";
+import { CubeMenu } from "./cube_menu";
 import { DropZone } from "./drop";
 import { ExportDialog, OpenDialog, SaveDialog } from "./file_dialogs";
 import { GraftToolbar, GraftToolHint } from "./graft/graft_toolbar";
@@ -22,6 +24,7 @@ export function App({ page }: { page: Page }) {
   const host = useRef<HTMLDivElement>(null);
   useEffect(() => {
     if (host.current !== null) page.attach(host.current);
+    render(<CubeMenu page={page} />, page.viewport.cubeMenu);
   }, [page]);
   const isOpen = editor.isOpen.value;
   const panels = editor.view.panels.value;

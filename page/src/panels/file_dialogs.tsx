@@ -182,17 +182,19 @@ interface ContentProps {
   part: MeshObject | undefined;
 }
 
-/** Says what the exported file will hold, and what a printer would not take. Only the model is checked. */
+/** Says what the exported file will hold, and what a printer would not take. */
 function Content({ page, extension, part }: ContentProps) {
   const { state, view, printing } = page.editor;
   const box = part === undefined ? page.shownBox.value : page.graft.boxOf(part.mesh);
   const unit = view.unit.value;
   const faces = part?.faces ?? state.value?.model.faces ?? 0;
-  const check = part === undefined ? printing.result.value : null;
-  const isUnchecked = check === null && part === undefined;
+  const isOfObject = printing.checked()?.name === part?.name;
+  const check = isOfObject ? printing.result.value : null;
+  const isUnchecked = check === null;
   useEffect(() => {
+    if (!isOfObject) printing.choose(part?.name ?? "");
     if (isUnchecked && faces > 0 && faces <= mostFacesChecked) void printing.check();
-  }, [isUnchecked]);
+  }, [isUnchecked, part?.name]);
   if (state.value === null || box === null) return null;
   const limits = { leastWall: printing.leastWall.value, overhangDeg: printing.overhangDeg.value, unit };
   const problems = check === null ? [] : printProblems(check, limits).filter(({ tone }) => tone === "bad");

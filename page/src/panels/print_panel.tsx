@@ -2,7 +2,7 @@ import type { Page } from "../app/page";
 import { printLines, type PrintLine, type PrintRemedy } from "../app/print_words";
 import { CommandLabelButton } from "./command_button";
 import { Button } from "./ui/button";
-import { NumberField } from "./ui/fields";
+import { NumberField, Select } from "./ui/fields";
 import { Icon, type IconName } from "./ui/icon";
 import { Section } from "./ui/section";
 
@@ -15,11 +15,12 @@ export function PrintPanel({ page }: { page: Page }) {
   const check = printing.result.value;
   const limits = { leastWall: printing.leastWall.value, overhangDeg: printing.overhangDeg.value, unit };
   return (
-    <Section title="Print" hint="Checks the edited mesh before you print it, and gives it its size and place.">
+    <Section title="Print" hint="Checks the edited model or a part before you print it, and gives it its size and place.">
       <div class="buttons">
         <CommandLabelButton page={page} id="tool-measure" icon="measure" />
         <CommandLabelButton page={page} id="tool-flat" icon="flat" />
       </div>
+      <CheckedObject page={page} />
       <label class="row">
         <span id="least-wall">Least wall</span>
         <NumberField
@@ -73,6 +74,24 @@ export function PrintPanel({ page }: { page: Page }) {
   );
 }
 
+/** Chooses which object is checked, if there are parts. */
+function CheckedObject({ page }: { page: Page }) {
+  const { printing, state } = page.editor;
+  const { model, parts } = state.value ?? {};
+  if (model === undefined || parts === undefined || parts.length === 0) return null;
+  return (
+    <Select
+      label="Object"
+      value={printing.checked()?.name ?? ""}
+      choices={[
+        { value: "", label: `${model.name} (the model)` },
+        ...parts.map(({ name }) => ({ value: name, label: name })),
+      ]}
+      onChange={(name) => printing.choose(name)}
+    />
+  );
+}
+
 /** One line of a check, with where it is and a remedy. */
 function PrintRow({ page, line: { tone, words, finding, remedy } }: { page: Page; line: PrintLine }) {
   const { printing } = page.editor;
@@ -90,10 +109,10 @@ function PrintRow({ page, line: { tone, words, finding, remedy } }: { page: Page
 }
 
 function RemedyButton({ page, remedy }: { page: Page; remedy: PrintRemedy }) {
-  const { mending, state } = page.editor;
-  const model = state.value?.model;
-  if (model === undefined) return null;
-  const { name, findings } = model;
+  const { mending, state, printing } = page.editor;
+  const object = printing.checked() ?? state.value?.model;
+  if (object === undefined) return null;
+  const { name, findings } = object;
   const kinds = ({ split: ["non-manifold-edge"], turn: ["inconsistent-winding", "inward-facing-component"], "close-holes": [] } as const)[remedy];
   const meant = findings.map(({ kind }) => kind).filter((kind) => (kinds as readonly string[]).includes(kind));
   if (remedy !== "close-holes" && meant.length === 0) return null; // the step being edited made it

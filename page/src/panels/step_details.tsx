@@ -2,6 +2,7 @@ import { numbersOf, withNumbers, type PoseNumbers } from "../app/handle_pose";
 import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from "../app/method_settings";
 import { commandOf, type Page } from "../app/page";
 import { readStep, type GraftFields } from "../app/graft/graft_step";
+import { latestGraft } from "../app/graft/mirror_latest";
 import { closingFields, closingOf, type Pins } from "../app/cuts";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
@@ -135,6 +136,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
       <EditAgain page={page} index={index} />
       {commandOf(page, "select-seam").enabled() && <CommandLabelButton page={page} id="select-seam" icon="loop" />}
+      {latestGraft(page.editor.state.value)?.fields === fields && <CommandLabelButton page={page} id="mirror-graft" icon="symmetry" />}
       <More label="More options">
         <BlendColours page={page} step={step} keep={keep} />
         <LoopToggles step={step} keep={keep} />

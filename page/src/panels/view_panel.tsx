@@ -106,6 +106,7 @@ export function ViewPanel({ page }: { page: Page }) {
           { value: "auto", label: "Auto", help: "From the file, or by its format." },
           { value: "y", label: "Y" },
           { value: "z", label: "Z" },
+          ...(["auto", "y", "z"].includes(view.up.value) ? [] : [{ value: view.up.value, label: view.up.value.toUpperCase().replace("-", "−") }]),
         ]}
         help="The axis of this model that points up. It is remembered."
         onChange={(to) => view.chooseUp(to)}

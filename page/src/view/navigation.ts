@@ -8,6 +8,7 @@ import {
   Vector3,
   type Sphere,
 } from "three";
+import { uprightOf, vectorOf, type Upright } from "../app/upright";
 
 const fieldOfViewDeg = 32;
 
@@ -39,7 +40,7 @@ export class Navigation {
   readonly perspective = new PerspectiveCamera(fieldOfViewDeg, 1, 0.01, 1000);
   readonly parallel = new OrthographicCamera(-1, 1, 1, -1, -1000, 1000);
   orthographic = false;
-  up: "y" | "z" = "z";
+  upright: Upright = uprightOf("z");
   private viewpoint: Viewpoint = {
     target: new Vector3(),
     distance: 5,
@@ -195,9 +196,9 @@ export class Navigation {
 
   /** The turntable's axes in the world: towards a viewer at the front, to the right, and up. */
   axes(): [Vector3, Vector3, Vector3] {
-    return this.up === "z"
-      ? [new Vector3(0, -1, 0), new Vector3(1, 0, 0), new Vector3(0, 0, 1)]
-      : [new Vector3(0, 0, 1), new Vector3(1, 0, 0), new Vector3(0, 1, 0)];
+    const front = new Vector3(...vectorOf(this.upright.front));
+    const above = new Vector3(...vectorOf(this.upright.up));
+    return [front, above.clone().cross(front), above];
   }
 
   orientation(viewpoint: { yaw: number; pitch: number } = this.viewpoint): Quaternion {

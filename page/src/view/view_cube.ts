@@ -34,6 +34,8 @@ export class ViewCube {
   readonly element = document.createElement("div");
   private readonly turning = document.createElement("div");
   private readonly radios = new Map<Side, HTMLInputElement>();
+  /** Holds the menu of the cube. */
+  readonly menu = document.createElement("div");
   private builtFor = "";
   private press: { x: number; y: number; moved: boolean } | undefined;
 
@@ -46,7 +48,7 @@ export class ViewCube {
     this.element.title = "Click a face, edge or corner to view from there; drag to orbit";
     this.turning.className = "view-cube-turning";
     this.turning.ariaHidden = "true";
-    this.element.append(this.sideChoice(), this.turning);
+    this.element.append(this.sideChoice(), this.turning, this.menu);
     this.element.addEventListener("pointerdown", (event) => this.begin(event));
     this.element.addEventListener("pointermove", (event) => this.drag(event));
     this.element.addEventListener(
@@ -58,7 +60,7 @@ export class ViewCube {
 
   /** Turns the cube with the view. */
   update(): void {
-    if (this.builtFor !== this.navigation.up) this.build();
+    if (this.builtFor !== keyOf(this.navigation)) this.build();
     const m = new Matrix4().makeRotationFromQuaternion(this.navigation.orientation().invert());
     this.turning.style.transform = matrix3d(new Matrix4().makeScale(1, -1, 1).multiply(m));
     this.checkSide();
@@ -98,7 +100,7 @@ export class ViewCube {
   }
 
   private build(): void {
-    this.builtFor = this.navigation.up;
+    this.builtFor = keyOf(this.navigation);
     this.turning.replaceChildren(...sides.map((side) => this.face(side)));
   }
 
@@ -148,6 +150,10 @@ export class ViewCube {
     if (this.press?.moved === true) event.stopPropagation();
     this.press = undefined;
   }
+}
+
+function keyOf({ upright }: Navigation): string {
+  return `${upright.up} ${upright.front}`;
 }
 
 function nameOf(side: Side): string {

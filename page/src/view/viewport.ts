@@ -14,6 +14,7 @@ import {
 import type { OrthographicCamera, PerspectiveCamera } from "three";
 import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import type { ViewSettings } from "../app/view_settings";
+import { axes, uprightOf, vectorOf, type Axis } from "../app/upright";
 import type { DocumentState } from "../protocol";
 import { Background, Ground, themes, type Theme } from "./backdrop";
 import { areWithin, aroundOf, samplePositions } from "./framing";
@@ -29,6 +30,7 @@ import { Pipeline } from "./pipeline";
 import type { Polygon } from "./picking/polygon";
 import { matrixOfPose } from "./pose_matrix";
 import { readPositions } from "./read_back";
+import type { Picture } from "./surface/picture";
 import { smallPicture, type SmallPicture } from "./small_picture";
 import { Surface } from "./surface/surface";
 import { uploadToGpu } from "./surface/to_gpu";
@@ -173,7 +175,11 @@ export class Viewport {
 
   /** Makes a surface with the common settings. It is not added to the scene. */
   surfaceFrom(message: BinaryMessage): Surface {
-    const surface = new Surface(message, this.look);
+    const shared = [...message.sharedPictures()].flatMap(([number, [mesh, there]]): [number, Picture][] => {
+      const picture = this.surfaceOf(mesh)?.pictures.get(there);
+      return picture === undefined ? [] : [[number, picture]];
+    });
+    const surface = new Surface(message, this.look, new Map(shared));
     surface.onChange = () => this.requestRender();
     return surface;
   }
@@ -244,11 +250,11 @@ export class Viewport {
   /** Takes the handles' poses from the document, for handles that `showPoses` is not given. */
   setDocument(state: DocumentState): void {
     if (state.file !== this.fileName) {
-      const was = this.navigation.up;
+      const was = this.navigation.upright;
       this.fileName = state.file;
       this.fileUp = state.up;
       this.setUp();
-      if (was !== this.navigation.up) this.fit("all", false);
+      if (was !== this.navigation.upright) this.fit("all", false);
     }
     const surface = this.surfaces.get(state.model.mesh) ?? this.main;
     if (surface === undefined) return;
@@ -377,6 +383,18 @@ export class Viewport {
     this.lookAlong(direction, up);
   }
 
+  /** The element beside the view cube that holds its menu. */
+  get cubeMenu(): HTMLElement {
+    return this.cube.menu;
+  }
+
+  /** Returns the side of the model that faces the viewer most. */
+  sideSeen(): Axis {
+    const towardsCamera = new Vector3(0, 0, 1).applyQuaternion(this.navigation.orientation());
+    const facing = (axis: Axis) => towardsCamera.dot(new Vector3(...vectorOf(axis)));
+    return axes.reduce((best, axis) => (facing(axis) > facing(best) ? axis : best));
+  }
+
   requestRender(): void {
     this.scheduler.request();
   }
@@ -396,6 +414,7 @@ export class Viewport {
     const coarse = this.scheduler.wantsCoarse(moving, mayReduce);
     for (const surface of this.surfaces.values()) surface.showCoarse(coarse);
     for (const part of this.parts.shown()) part.surface.showCoarse(coarse);
+    this.replacement?.showCoarse(coarse);
     const detail = this.scheduler.detail(moving, mayReduce, settings.ambientOcclusion.value && this.main !== undefined);
     this.look.cavity.value = detail.occlusion ? 1 : 0;
     const { viewHeight, distance, orthographic } = this.navigation;
@@ -442,6 +461,7 @@ export class Viewport {
     });
     effect(() => {
       settings.up.value;
+      settings.front.value;
       settings.unit.value;
       this.setUp();
       this.requestRender();
@@ -475,10 +495,12 @@ export class Viewport {
     surface.showTextures(textured);
   }
 
-  /** Sets the vertical axis: as chosen, or by the file format. */
+  /** Sets how the model stands: as chosen, or by the file format. */
   private setUp(): void {
     const set = this.settings.up.value;
-    this.navigation.up = set === "auto" ? this.fileUp : set;
+    const upright = uprightOf(set === "auto" ? this.fileUp : set, this.settings.front.value);
+    const { up, front } = this.navigation.upright;
+    if (up !== upright.up || front !== upright.front) this.navigation.upright = upright;
     this.fitGround();
   }
 
@@ -488,8 +510,8 @@ export class Viewport {
     if (main === undefined) return;
     const up = this.navigation.axes()[2];
     const middle = main.box.min.clone().add(main.box.max).multiplyScalar(0.5);
-    if (this.navigation.up === "z") middle.z = main.box.min.z;
-    else middle.y = main.box.min.y;
+    const side = up.x + up.y + up.z > 0 ? main.box.min : main.box.max;
+    for (const k of ["x", "y", "z"] as const) if (up[k] !== 0) middle[k] = side[k];
     this.ground.fitTo(middle.add(main.object.position), up, main.box.diagonal);
   }
 

@@ -77,6 +77,37 @@ test("shows how the seam bends, and the result's edges", async () => {
   expect(user.complaints).toEqual([]);
 });
 
+test("shows how the graft stretches the part, and nothing else", async () => {
+  const { user } = await openWithPart("bust", "head", 40, true);
+  await grafted(user);
+  await user.page.getByRole("button", { name: "View", exact: true }).click();
+  await user.page.getByLabel("Heat map").selectOption("stretch");
+  await user.page.locator(".view-legend").getByText("Change of area").waitFor();
+  await user.rests();
+  await user.screenshot("graft-stretch");
+  const most = await user.page.evaluate(() => {
+    const { editor, viewport } = window.meshgraft;
+    const message = editor.graft.preview.value;
+    const heat = viewport.alsoShown()[0]?.[0].geometry.getAttribute("heat").array ?? new Float32Array();
+    const triangles = message?.indices("triangles") ?? new Uint32Array();
+    const origin = message?.bytes("origin") ?? new Uint8Array();
+    const height = message?.floats("positions") ?? new Float32Array();
+    const least = Math.min(...height.filter((_, i) => i % 3 === 2));
+    const most = { foot: 0, part: 0 }; // largest stretch at the model's foot, and in the part
+    triangles.forEach((v, corner) => {
+      const from = origin[Math.floor(corner / 3)];
+      const stretch = Math.abs(heat[v] ?? NaN);
+      if (from === 1) most.part = Math.max(most.part, stretch);
+      if (from === 0 && (height[3 * v + 2] ?? 0) < least + 0.1) most.foot = Math.max(most.foot, stretch);
+    });
+    return most;
+  });
+  expect(most.foot).toBe(0);
+  expect(most.part).toBeGreaterThan(0.05);
+  expect(most.part).toBeLessThan(4);
+  expect(user.complaints).toEqual([]);
+});
+
 test("grafts in the document that is opened next, too, and shows no loops of the one before", async () => {
   const { harness, user } = await openWithPart("bust", "head", 20, true);
   await grafted(user);

@@ -46,6 +46,48 @@ test("a check names what printers refuse, shows it, and offers the remedy", asyn
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
+test("a part is checked by itself, and shown where it stands", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bar", 16);
+  const { user } = harness;
+  const { page } = user;
+  await page.evaluate(() =>
+    window.meshgraft.editor.ask({ do: "cut", halves: true, plane: { point: [0, 0, 0.5], normal: [0, 0, 1] } }),
+  );
+  await user.settle();
+  await openPanel(harness);
+  const panel = page.getByRole("region", { name: "Print" });
+  await panel.getByRole("combobox", { name: "Object" }).selectOption("bar 2");
+  await panel.getByRole("button", { name: "Check", exact: true }).click();
+  const rows = page.getByRole("list", { name: "Print check" }).getByRole("listitem");
+  await rows.first().waitFor();
+  expect(await rows.first().innerText()).toMatch(/Open: 1 hole/);
+  const sizeOf = (name: string) =>
+    page.evaluate((name) => {
+      const { editor, viewport } = window.meshgraft;
+      const mesh = [editor.state.value!.model, ...editor.state.value!.parts].find((one) => one.name === name)!.mesh;
+      return viewport.surfaceOf(mesh)!.size.z;
+    }, name);
+  const checkedHeight = () => page.evaluate(() => window.meshgraft.editor.printing.result.value?.size[2]);
+  expect(await checkedHeight()).toBeCloseTo(await sizeOf("bar 2"), 5);
+  await rows.first().getByRole("button", { name: "Show" }).click();
+  await user.rests();
+  expect(await page.evaluate(() => window.meshgraft.viewport.parts.shown().length)).toBe(1);
+  await user.screenshot("print-part");
+  await rows.first().getByRole("button", { name: "Close" }).click();
+  await user.settle();
+  await panel.getByRole("button", { name: "Check", exact: true }).click();
+  await rows.first().waitFor();
+  expect(await rows.first().innerText()).toMatch(/Closed/);
+  await panel.getByRole("combobox", { name: "Object" }).selectOption({ label: "bar (the model)" });
+  expect(await rows.count()).toBe(0);
+  await panel.getByRole("button", { name: "Check", exact: true }).click();
+  await rows.first().waitFor();
+  expect(await rows.first().innerText()).toMatch(/Open: 1 hole/);
+  expect(await checkedHeight()).toBeCloseTo(await sizeOf("bar"), 5);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
 test("a length measured by two clicks and typed anew scales the model, and undo takes it back", async () => {
   harness = await EditorHarness.open();
   await harness.openSample("bar", 12);

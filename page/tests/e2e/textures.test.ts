@@ -187,6 +187,66 @@ test("a scan's PLY is shown with its picture, also as a part", async () => {
   expect(user.complaints).toEqual([]);
 });
 
+/** Returns an open tube of that radius along y, each side of which shows the whole picture. */
+function tube(material: string, radius: number, from: number, to: number): string {
+  const around = 24;
+  const rings = 8;
+  const lines = [`mtllib ${material}.mtl`];
+  for (let j = 0; j <= rings; ++j)
+    for (let i = 0; i < around; ++i) {
+      const angle = (2 * Math.PI * i) / around;
+      lines.push(`v ${radius * Math.cos(angle)} ${from + ((to - from) * j) / rings} ${-radius * Math.sin(angle)}`);
+    }
+  for (let j = 0; j <= rings; ++j) for (let i = 0; i <= around; ++i) lines.push(`vt ${i / around} ${j / rings}`);
+  lines.push(`usemtl ${material}`);
+  const corner = (i: number, j: number) => `${j * around + (i % around) + 1}/${j * (around + 1) + i + 1}`;
+  for (let j = 0; j < rings; ++j)
+    for (let i = 0; i < around; ++i)
+      lines.push(`f ${corner(i, j)} ${corner(i + 1, j)} ${corner(i + 1, j + 1)} ${corner(i, j + 1)}`);
+  return lines.join("\n") + "\n";
+}
+
+test("a graft is shown with the pictures of model and part, also before it is accepted", async () => {
+  const { folder, user } = harness;
+  for (const [name, colour] of [["red", red], ["green", green]] as const) {
+    writeFileSync(folder.file(`${name}.png`), picture([colour, colour, colour, colour]));
+    writeFileSync(folder.file(`${name}.mtl`), `newmtl ${name}\nKd 1 1 1\nmap_Kd ${name}.png\n`);
+  }
+  writeFileSync(folder.file("below.obj"), tube("red", 0.5, 0, 1));
+  writeFileSync(folder.file("above.obj"), tube("green", 0.5, 2, 3));
+  await open(folder.file("below.obj"));
+  await user.page.evaluate(async (path) => {
+    const { editor } = window.meshgraft;
+    await editor.ask({ do: "part", what: "add", path, name: "above" });
+    editor.graft.mode.value = "graft";
+    await editor.ask({ do: "graft", source: "above", pairs: [{ source_loop: { loop: 0 }, target_loop: { loop: 1 } }] });
+  }, folder.file("above.obj"));
+  const isTextured = () => window.meshgraft.viewport.alsoShown()[0]?.[0].mesh.visible === false;
+  await user.page.waitForFunction(isTextured);
+  await user.page.evaluate(() => (window.meshgraft.editor.graft.arrangement.value = "result"));
+  await user.page.keyboard.press("Numpad1");
+  await user.rests();
+  await user.screenshot("texture-graft");
+  const nearestOf = (shown: Colour) =>
+    [red, green].sort((a, b) => Math.hypot(...a.map((c, k) => c - (shown[k] as number))) - Math.hypot(...b.map((c, k) => c - (shown[k] as number))))[0];
+  const at = (low: boolean) =>
+    user.page.evaluate((low) => {
+      const { viewport } = window.meshgraft;
+      const [surface] = viewport.alsoShown()[0] ?? [];
+      if (surface === undefined) throw new Error("there is no preview");
+      const { min, max } = surface.box;
+      const middle = min.clone().lerp(max, 0.5).setZ(max.z);
+      middle.y = min.y + (low ? 0.15 : 0.85) * (max.y - min.y);
+      const { x, y } = viewport.project(middle.add(surface.object.position));
+      return [x, y] as const;
+    }, low);
+  expect(nearestOf(await colourAt(await at(true)))).toEqual(red);
+  expect(nearestOf(await colourAt(await at(false)))).toEqual(green);
+  await user.page.evaluate(() => (window.meshgraft.editor.view.shading.value = "clay"));
+  await user.page.waitForFunction(() => window.meshgraft.viewport.alsoShown()[0]?.[0].mesh.visible === true);
+  expect(user.complaints).toEqual([]);
+});
+
 test("a model whose picture is not there has checks", async () => {
   const { folder } = harness;
   writeFileSync(folder.file("bare.obj"), plate("nothing"));

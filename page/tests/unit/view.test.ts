@@ -12,6 +12,7 @@ import {
 } from "three";
 import { MeshBVH } from "three-mesh-bvh";
 import { afterAll, beforeAll, describe, expect, it, vi } from "vitest";
+import { uprightOf } from "../../src/app/upright";
 import { roundLength } from "../../src/view/backdrop";
 import { colourAt, colourTable, diverging, rising } from "../../src/view/surface/colour_maps";
 import { writeFrame } from "../../src/view/surface/deform_shader";
@@ -278,6 +279,16 @@ describe("normals and heat", () => {
     }
   });
 
+  it("leaves triangles without a rest shape out of the stretch", () => {
+    const { positions, triangles } = torus;
+    const rest = positions.slice();
+    rest.fill(NaN, 0, 3);
+    const moved = positions.slice();
+    moved.set([9, 9, 9]);
+    const stretch = all(stretchOf("area", rest, moved, triangles));
+    expect(Math.max(...stretch.map(Math.abs))).toBe(0);
+  });
+
   it("finds no detail in a flat sheet's middle, and a bump's height", () => {
     const { positions, triangles } = sheet(10);
     positions[3 * 60 + 2] = 0.5;
@@ -345,7 +356,7 @@ describe("navigation", () => {
       bounds: () => new Sphere(new Vector3(), 1),
       fitUnder: () => undefined,
     });
-    one.up = up;
+    one.upright = uprightOf(up);
     one.update(1.5);
     return one;
   }

@@ -46,6 +46,8 @@ export class Graft {
   readonly report = signal<GraftReport | null>(null);
   /** The seam of the latest result that was not dragged. */
   readonly seam = signal<Seam | null>(null);
+  /** All fields of the graft that was edited last. */
+  readonly latestStep = signal<GraftFields | null>(null);
   /** Fields that a slider or the pointer changes for now, on top of the document's. */
   readonly dragged = signal<GraftFields | null>(null);
   /** Map from the part's coordinates to its pose on the target, before it deforms. */
@@ -129,6 +131,13 @@ export class Graft {
   }
   toggleShown(part: MeshObject): void {
     this.shownParts.value = new Map(this.shownParts.value).set(part.name, !this.isShown(part));
+  }
+
+  /** Shows a part beside the model, where parts are shown. */
+  showPart(name: string): void {
+    const part = this.byName(name);
+    this.mode.value = "graft";
+    if (part !== undefined && !this.isShown(part)) this.toggleShown(part);
   }
 
   /** Adds a part beside the model, and grafts it if both have one loop. Resolves with the part's name. */
@@ -403,6 +412,7 @@ export class Graft {
       if (!meshes.has(this.cutCurve.value?.mesh ?? -1)) this.cutCurve.value = null;
       if (state.graft === null && this.dragged.value === null) this.forgetPreview();
       if (state.undo !== "cut") this.lastCut.value = null;
+      if (state.graft !== null) this.latestStep.value = state.graft.step;
       if (state.graft !== null) this.mode.value = "graft";
       this.followPairs();
     });

@@ -1,4 +1,5 @@
 import type { MeshObject } from "../../app/graft/graft";
+import { partToMirror } from "../../app/graft/mirror_latest";
 import type { Page } from "../../app/page";
 import { counted } from "../../app/units";
 import { Thumbnail } from "./thumbnail";
@@ -66,6 +67,12 @@ function PartRow({ page, part }: { page: Page; part: MeshObject }) {
             icon: "region",
             disabled: !idle,
             run: () => void page.graft.dropByClick(known),
+          },
+          {
+            label: "Mirrored copy",
+            icon: "symmetry",
+            disabled: partToMirror(editor) !== part.name,
+            run: () => void editor.mirrorGraft(),
           },
           {
             label: "Make it the model",

@@ -4,7 +4,7 @@ import type { Graft, LoopRef, MeshObject } from "../../app/graft/graft";
 import type { Rows4, Vector3Tuple } from "../../app/graft/graft_step";
 import type { BinaryMessage } from "../../engine/binary_message";
 import { layOutParts, type Box } from "./part_layout";
-import { verticesFrom } from "../../app/graft/seam";
+import { trianglesFrom, verticesFrom } from "../../app/graft/seam";
 import { partColour, seamColour } from "../../app/graft/graft_colours";
 import { Ghost, MatchLines } from "./graft_lines";
 import { LoopLines } from "./loop_lines";
@@ -158,6 +158,9 @@ export class GraftView {
       surface.setTint(tintOf(message, surface.vertexCount));
       this.seamShownOn = undefined;
       surface.heat.setSeam(verticesFrom(message, 2));
+      const positions = message.floats("rest");
+      const triangles = trianglesFrom(message, (origin) => origin !== 2);
+      if (positions !== undefined) surface.heat.setUnstretched({ positions, triangles });
       this.preview = { message, surface };
       this.group.add(surface.object);
     }

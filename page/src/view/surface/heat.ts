@@ -58,7 +58,7 @@ export function legendOf(map: HeatMap, of: StretchOf, [min, max]: [number, numbe
 
 /**
  * Computes the stretch around each vertex relative to rest, as a power of 2. It compares the area of the triangles
- * around the vertex or the lengths of their edges. Yields now and then.
+ * around the vertex or the lengths of their edges. Triangles without a rest shape (NaN) do not count. Yields now and then.
  */
 export function* stretchOf(
   of: StretchOf,
@@ -74,6 +74,7 @@ export function* stretchOf(
     const b = triangles[at + 1] as number;
     const c = triangles[at + 2] as number;
     const was = measure(rest, 3 * a, 3 * b, 3 * c);
+    if (Number.isNaN(was)) continue;
     const is = measure(shown, 3 * a, 3 * b, 3 * c);
     for (const v of [a, b, c]) {
       before[v] = (before[v] as number) + was;

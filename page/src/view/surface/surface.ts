@@ -15,6 +15,7 @@ import type { BinaryMessage } from "../../engine/binary_message";
 import { deformUniforms } from "./deform_shader";
 import { surfaceLines } from "./lines";
 import { LinearFrames } from "./linear_frames";
+import { Picture } from "./picture";
 import { depthInRegion, fixedColour, fixedStrength, handleColour, regionColour, regionStrength, writeTint } from "./roles";
 import { Slices } from "./slices";
 import { mergedIndices, runsOf, spanOfChange } from "./spans";
@@ -51,6 +52,8 @@ export class Surface {
   readonly heat = new SurfaceHeat(this);
   readonly uv: Float32Array | undefined;
   readonly colours: Float32Array | undefined;
+  /** Its own texture images, by number. */
+  readonly pictures: ReadonlyMap<number, Picture>;
   private readonly textured: TexturedSurface | undefined;
   private wantsTextures = false;
   private painted = 0; // counts changes of tint and selection
@@ -72,6 +75,7 @@ export class Surface {
   constructor(
     message: BinaryMessage,
     private readonly look: LookUniforms,
+    shared: ReadonlyMap<number, Picture> = new Map(),
   ) {
     this.id = message.header.mesh;
     this.rest = message.floats("positions") ?? new Float32Array();
@@ -105,7 +109,8 @@ export class Surface {
     this.mesh.frustumCulled = false;
     if (this.uv !== undefined) this.mesh.material.defines["HAS_UV"] = 1;
     if (this.colours !== undefined) this.mesh.material.defines["HAS_COLOURS"] = 1;
-    this.textured = this.texturesOf(message);
+    this.pictures = new Map([...message.pictures()].map(([number, file]) => [number, new Picture(file)]));
+    this.textured = this.texturesOf(message, new Map([...shared, ...this.pictures]));
     this.object.add(this.mesh);
     this.object.position.set(...this.offset);
   }
@@ -266,6 +271,7 @@ export class Surface {
     this.slices.stopAll();
     this.linear.discardWeights();
     this.textured?.dispose();
+    for (const picture of this.pictures.values()) picture.dispose();
     for (const drawn of [this.mesh, this.wire, this.boundary]) {
       drawn?.geometry.dispose();
       (drawn?.material as ShaderMaterial | undefined)?.dispose();
@@ -349,12 +355,12 @@ export class Surface {
   }
 
   /** Makes the textured surface; undefined for a mesh without texture coordinates for its corners. */
-  private texturesOf(message: BinaryMessage): TexturedSurface | undefined {
+  private texturesOf(message: BinaryMessage, images: ReadonlyMap<number, Picture>): TexturedSurface | undefined {
     const pictures = message.indices("pictures");
     const uv = message.floats("corner_uv") ?? (pictures === undefined ? undefined : this.cornersUv());
     if (uv === undefined) return undefined;
     const makeMaterial = () => surfaceMaterial(this.look, this.deform, this.own);
-    return new TexturedSurface(this, uv, pictures, message.pictures(), makeMaterial);
+    return new TexturedSurface(this, uv, pictures, images, makeMaterial);
   }
 
   /** Returns the vertices' texture coordinates, one pair for each corner. */

@@ -16,6 +16,12 @@ interface Coloured {
   onChange: () => void;
 }
 
+/** Another rest shape than the surface's own, and the triangles that it has. */
+export interface Unstretched {
+  readonly positions: Float32Array;
+  readonly triangles: Uint32Array;
+}
+
 /** Colours a surface by per-vertex values, and updates them when the surface moves. */
 export class SurfaceHeat {
   readonly uniforms: Record<"heatColours" | "heatRange" | "hasHeat", IUniform> = {
@@ -30,6 +36,7 @@ export class SurfaceHeat {
   private madeOf = -1; // version of the surface
   private edges: Uint32Array | undefined;
   private seam: Uint32Array = new Uint32Array();
+  private unstretched: Unstretched | undefined;
 
   constructor(private readonly surface: Coloured) {}
 
@@ -59,6 +66,11 @@ export class SurfaceHeat {
   setSeam(vertices: Uint32Array): void {
     this.seam = vertices;
     this.renewFrom("seam");
+  }
+  /** Sets what the heat map `stretch` compares with, if it is not the surface at rest. */
+  setUnstretched(unstretched: Unstretched): void {
+    this.unstretched = unstretched;
+    this.renewFrom("stretch");
   }
   /** Takes each edge once: two vertices. */
   setEdges(edges: Uint32Array): void {
@@ -102,7 +114,8 @@ export class SurfaceHeat {
 
   private *values(): Generator<void, Float32Array | undefined> {
     const { rest, positions, triangles } = this.surface;
-    if (this.map === "stretch") return yield* stretchOf(this.of, rest, positions, triangles);
+    const from = this.unstretched ?? { positions: rest, triangles };
+    if (this.map === "stretch") return yield* stretchOf(this.of, from.positions, positions, from.triangles);
     if (this.map === "seam") return this.seam.length === 0 ? undefined : bendsOf(positions, triangles, this.seam);
     if (this.edges === undefined) return undefined; // the worker is still computing them
     return yield* detailOf(positions, this.edges);

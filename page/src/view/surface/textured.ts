@@ -1,5 +1,6 @@
-import { BufferAttribute, BufferGeometry, LinearMipmapLinearFilter, Mesh, NoColorSpace, RepeatWrapping, Texture } from "three";
+import { BufferAttribute, BufferGeometry, Mesh } from "three";
 import type { ShaderMaterial } from "three";
+import type { Picture } from "./picture";
 import type { Surface } from "./surface";
 import { wedgesOf, type Wedges } from "./wedges";
 
@@ -21,12 +22,12 @@ export class TexturedSurface {
   private shownAsOf = "";
   private isDisposed = false;
 
-  /** `uv`: per corner, 2 numbers each; `pictures`: per triangle, 0 for none; `files`: images by number. */
+  /** `uv`: per corner, 2 numbers each; `pictures`: per triangle, 0 for none; `images`: by number. The caller disposes of them. */
   constructor(
     private readonly surface: Surface,
     private readonly uv: Float32Array,
     private readonly pictures: Uint32Array | undefined,
-    private readonly files: ReadonlyMap<number, Uint8Array<ArrayBuffer>>,
+    private readonly images: ReadonlyMap<number, Picture>,
     private readonly makeMaterial: () => ShaderMaterial,
   ) {}
 
@@ -45,7 +46,7 @@ export class TexturedSurface {
     geometry.setIndex(new BufferAttribute(wedges.triangles, 1));
     geometry.boundingSphere = surface.geometry.boundingSphere;
     wedges.groups.forEach(({ start, count }, i) => geometry.addGroup(start, count, i));
-    const materials = wedges.groups.map(({ picture }) => this.materialOf(this.files.get(picture)));
+    const materials = wedges.groups.map(({ picture }) => this.materialOf(this.images.get(picture)));
     this.mesh = new Mesh(geometry, materials);
     this.mesh.frustumCulled = false;
     this.wedges = wedges;
@@ -71,35 +72,24 @@ export class TexturedSurface {
   dispose(): void {
     this.isDisposed = true;
     this.mesh?.geometry.dispose();
-    for (const material of this.mesh?.material ?? []) {
-      (material.uniforms["picture"]?.value as Texture | null)?.dispose();
-      material.dispose();
-    }
+    for (const material of this.mesh?.material ?? []) material.dispose();
   }
 
-  private materialOf(file: Uint8Array<ArrayBuffer> | undefined): ShaderMaterial {
+  private materialOf(picture: Picture | undefined): ShaderMaterial {
     const material = this.makeMaterial();
     material.defines["HAS_UV"] = 1;
     Object.assign(material.uniforms, { picture: { value: null }, hasPicture: { value: false } });
-    if (file !== undefined) void this.load(file, material);
+    if (picture !== undefined) {
+      this.show(picture, material);
+      if (picture.texture === undefined) void picture.load().then(() => this.show(picture, material));
+    }
     return material;
   }
 
-  /** Loads an image. If the browser cannot read it, the surface keeps its checkerboard. */
-  private async load(file: Uint8Array<ArrayBuffer>, material: ShaderMaterial): Promise<void> {
-    const image = await createImageBitmap(new Blob([file]), {
-      imageOrientation: "flipY",
-      premultiplyAlpha: "none",
-      colorSpaceConversion: "none",
-    }).catch(() => undefined);
-    if (image === undefined || this.isDisposed) return;
-    const texture = new Texture(image, undefined, RepeatWrapping, RepeatWrapping);
-    texture.flipY = false; // the bitmap is flipped already
-    texture.colorSpace = NoColorSpace;
-    texture.minFilter = LinearMipmapLinearFilter;
-    texture.anisotropy = 8;
-    texture.needsUpdate = true;
-    Object.assign(material.uniforms["picture"] ?? {}, { value: texture });
+  /** Shows an image. If the browser cannot read it, the surface keeps its checkerboard. */
+  private show(picture: Picture, material: ShaderMaterial): void {
+    if (picture.texture === undefined || this.isDisposed) return;
+    Object.assign(material.uniforms["picture"] ?? {}, { value: picture.texture });
     Object.assign(material.uniforms["hasPicture"] ?? {}, { value: true });
     this.surface.onChange();
   }

@@ -1,0 +1,63 @@
+import type { DocumentState } from "../../protocol";
+import type { Viewport } from "../../view/viewport";
+import type { Editor } from "../editor";
+import { planeAcross, type Plane } from "../mirror_plane";
+import type { GraftFields } from "./graft_step";
+import { mirroredGraft } from "./mirrored_graft";
+
+type Step = DocumentState["steps"][number];
+
+/** Returns the step of a graft that nothing follows. */
+export function latestGraft(state: DocumentState | null): Step | undefined {
+  const [graft, last] = state?.steps.slice(-2) ?? [];
+  const isLatest = graft?.kind === "merge" && last?.kind === "deform" && last.handles === 0;
+  return state?.graft === null && isLatest ? graft : undefined;
+}
+
+/** Returns the part that was grafted last, if nothing follows that. */
+export function partToMirror(editor: Editor): string | undefined {
+  return (latestGraft(editor.state.value)?.fields as GraftFields | undefined)?.source;
+}
+
+/** Grafts the part that was grafted last once more, as a mirror image at a plane. */
+export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Promise<void> {
+  const { graft } = editor;
+  const step = latestGraft(editor.state.value);
+  const surface = viewport.main;
+  if (step === undefined || surface === undefined) return;
+  const fields = wholeFields(step.fields, graft.latestStep.value);
+  if (fields === undefined)
+    return editor.note("the fixed areas of the graft are no longer known here", "", "Edit the graft again under Steps, accept it, then mirror it.");
+  const plane = mirrorPlane(editor, viewport);
+  graft.mode.value = "graft";
+  await graft.needLoops();
+  const loops = (graft.loops.value.get(surface.id) ?? []).map(({ vertices }) => vertices);
+  const positionOf = (vertex: number) => surface.positionOf(vertex).toArray();
+  const mirrored = mirroredGraft({ fields, starts: step.found?.starts ?? [], loops, positionOf }, plane);
+  if (mirrored === undefined)
+    return editor.note(
+      "the model has no open loop where the mirrored copy would be",
+      "",
+      "Turn Symmetry on to choose the plane, or cut the model open there.",
+    );
+  graft.arrangement.value = "result";
+  await graft.set(mirrored);
+}
+
+/** The plane of symmetry, or else that between left and right through the middle of the model before the graft. */
+function mirrorPlane({ state, graft, box }: Editor, viewport: Viewport): Plane {
+  const symmetry = state.value?.symmetry?.plane;
+  if (symmetry !== undefined) return symmetry;
+  const [x = 0, y = 0, z = 0] = viewport.navigation.axes()[1].toArray().map(Math.abs);
+  const axis = x >= Math.max(y, z) ? "x" : y >= z ? "y" : "z";
+  const before = graft.seam.value?.target ?? box.value ?? { low: [0, 0, 0], high: [0, 0, 0] };
+  return planeAcross(axis, before);
+}
+
+// The state has long lists as their number of elements; the step that was edited last has them all.
+function wholeFields(fields: GraftFields, latest: GraftFields | null): GraftFields | undefined {
+  const { kind: _, name: __, result: ___, counts: ____, ...known } = fields as GraftFields & Record<string, unknown>;
+  if (!JSON.stringify(known).includes('{"count":')) return known as GraftFields;
+  const isSame = latest !== null && JSON.stringify([latest.source, latest.at, latest.pairs]) === JSON.stringify([known.source, known.at, known.pairs]);
+  return isSame ? { ...(known as GraftFields), fixed: latest.fixed ?? null } : undefined;
+}
