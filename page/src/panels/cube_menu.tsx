@@ -6,15 +6,18 @@ import { Menu } from "./ui/menu";
 export function CubeMenu({ page }: { page: Page }) {
   const { view } = page.editor;
   const { viewport } = page;
+  const show = () => {
+    viewport.lookFrom("front");
+    viewport.fit();
+  };
   const turn = (how: typeof withFront) => {
     view.stand(how(viewport.navigation.upright, viewport.sideSeen()));
-    viewport.lookFrom("front");
+    show();
   };
   const isAsInFile = view.up.value === "auto" && view.front.value === undefined;
   return (
     <Menu
       label="How the model stands"
-      class="icon-button view-cube-menu"
       items={[
         { label: "This side is the front", icon: "model", run: () => turn(withFront) },
         { label: "This side is up", icon: "up", run: () => turn(withUp) },
@@ -25,7 +28,7 @@ export function CubeMenu({ page }: { page: Page }) {
           begins: true,
           run: () => {
             view.standAsInFile();
-            viewport.lookFrom("front");
+            show();
           },
         },
       ]}

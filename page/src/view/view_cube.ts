@@ -34,7 +34,7 @@ export class ViewCube {
   readonly element = document.createElement("div");
   private readonly turning = document.createElement("div");
   private readonly radios = new Map<Side, HTMLInputElement>();
-  /** Holds the menu of the cube. */
+  /** Holds the menu of the cube. It stands right after the cube. */
   readonly menu = document.createElement("div");
   private builtFor = "";
   private press: { x: number; y: number; moved: boolean } | undefined;
@@ -48,7 +48,8 @@ export class ViewCube {
     this.element.title = "Click a face, edge or corner to view from there; drag to orbit";
     this.turning.className = "view-cube-turning";
     this.turning.ariaHidden = "true";
-    this.element.append(this.sideChoice(), this.turning, this.menu);
+    this.element.append(this.sideChoice(), this.turning);
+    this.menu.className = "view-cube-corner";
     this.element.addEventListener("pointerdown", (event) => this.begin(event));
     this.element.addEventListener("pointermove", (event) => this.drag(event));
     this.element.addEventListener(

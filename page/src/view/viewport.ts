@@ -151,7 +151,7 @@ export class Viewport {
       pointerEvents: "none",
       overflow: "hidden",
     });
-    host.append(renderer.domElement, this.overlay, this.cube.element, this.notes.notes, this.notes.legend);
+    host.append(renderer.domElement, this.overlay, this.cube.element, this.cube.menu, this.notes.notes, this.notes.legend);
     this.cube.element.hidden = this.main === undefined;
     effect(() => this.notes.showLegend(this.legend.value));
     this.navigation.attach(host);

