@@ -9,9 +9,13 @@ afterEach(async () => {
 
 test("any side is made the front or the upper side at the view cube, and that is remembered", async () => {
   harness = await EditorHarness.open();
-  await harness.openSample("bust", 20);
   const { user } = harness;
   const { page } = user;
+  const open = async (sample: string) => {
+    await page.evaluate((sample) => window.meshgraft.editor.open({ do: "open", sample, resolution: 20 }), sample);
+    await user.opened();
+  };
+  await open("bust");
   const upright = () => page.evaluate(() => ({ ...window.meshgraft.viewport.navigation.upright }));
   const choose = async (item: string) => {
     await user.click("How the model stands");
@@ -32,10 +36,11 @@ test("any side is made the front or the upper side at the view cube, and that is
   expect(await upright()).toEqual({ up: "x", front: "-z" });
   await user.screenshot("standing-up");
   await page.reload();
-  await user.ready();
-  await harness.openSample("torus", 20);
+  await user.opened();
+  expect(await upright()).toEqual({ up: "x", front: "-z" });
+  await open("torus");
   expect(await upright()).toEqual(start);
-  await harness.openSample("bust", 20);
+  await open("bust");
   expect(await upright()).toEqual({ up: "x", front: "-z" });
   await choose("As in the file");
   expect(await upright()).toEqual(start);
