@@ -189,6 +189,7 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
 
 /// Finds the factor of the stiffness at each vertex, as `ConstrainedSystem` does.
 void PartSystem::find_stiffness_scales(const DeformerOptions& options) {
+  if (options.method == DeformMethod::ft05 || options.stiffness <= 0) return;
   const LocalMesh& mesh = part_.mesh;
   const bool is_aware = options.operators.density == Density::aware;
   stiffness_scales_.assign(mesh.vertices.size(), 0);

@@ -9,7 +9,8 @@
 
 namespace meshgraft::distributed {
 
-/// Where the records of a mesh are: in a binary PLY file, or in chunks, the files of a folder with an index.
+/// Tells where the records of a mesh are: in a binary PLY file, or in chunks, the files of a folder with an
+/// index.
 struct StoredMesh {
   std::filesystem::path path;
   bool in_chunks = false;

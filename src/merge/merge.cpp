@@ -45,7 +45,7 @@ void drop_used_cut_normals(Mesh& mesh) {
 /// similarity.
 void require_no_inverting_pairs(const MatchedMeshes& matched, const MadeGraft& made,
                                 std::span<const double> misfits_rel) {
-  // Measured: of random grafts with several pairs, those that stay inverted have loops 1.4 radii apart or more
+  // Measured: of random grafts with several pairs, those that stay inverted have loops 1.8 radii apart or more
   // (docs/merging.md, "Random grafts").
   constexpr double far_apart = 1;
   const bool is_one_piece = std::ranges::max(matched.component) == 0;

@@ -12,7 +12,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from cluster_scene import (Mesh, convert, kill_a_rank, largest_difference, read_chunks, read_ply, run_ranks,
+from cluster_scene import (Mesh, assert_one_error, convert, kill_a_rank, largest_difference, read_chunks, read_ply, run_ranks,
                            write_chunks, write_edit)
 
 USAGE, INPUT, IO = 2, 3, 5
@@ -38,10 +38,7 @@ class Chunks(unittest.TestCase):
 
     def assert_fails(self, done, status, *words):
         self.assertEqual(done.returncode, status, done.stderr)
-        messages = [line for line in done.stderr.splitlines() if "meshgraft-mpi: error:" in line]
-        self.assertEqual(len(messages), 1, done.stderr)
-        for word in words:
-            self.assertIn(word, messages[0])
+        assert_one_error(self, done, *words)
         left = [path.name for path in self.folder.iterdir() if path.name.startswith("out")]
         self.assertEqual(left, [], "no output is left")
 

@@ -72,6 +72,14 @@ class Mesh:
         Path(path).write_bytes(body)
 
 
+def assert_one_error(test, done, *words):
+    """Checks that all ranks together print one error, which has these words."""
+    messages = [line for line in done.stderr.splitlines() if "meshgraft-mpi: error:" in line]
+    test.assertEqual(len(messages), 1, done.stderr)
+    for word in words:
+        test.assertIn(word, messages[0])
+
+
 def convert(ranks, source, output, *arguments, **options):
     """Runs meshgraft-mpi convert."""
     return run(MPIRUN, "-q", "-n", ranks, "--oversubscribe", MPI_PROGRAM, "convert", source, "-o", output, *arguments, **options)

@@ -10,7 +10,7 @@ import time
 import unittest
 from pathlib import Path
 
-from cluster_scene import MPI_PROGRAM, MPIRUN, Mesh, kill_a_rank, run, run_ranks, write_edit
+from cluster_scene import MPI_PROGRAM, MPIRUN, Mesh, assert_one_error, kill_a_rank, run, run_ranks, write_edit
 
 INPUT, UNSOLVABLE, IO = 3, 4, 5
 DISC = {"sphere": {"centre": [0.5, 0.5, 0], "radius": 0.12}}
@@ -35,10 +35,7 @@ class Faults(unittest.TestCase):
     def assert_fails(self, done, status, *words):
         """Checks status and message, and that no file is left beside the inputs."""
         self.assertEqual(done.returncode, status, done.stderr)
-        messages = [line for line in done.stderr.splitlines() if "meshgraft-mpi: error:" in line]
-        self.assertEqual(len(messages), 1, done.stderr)
-        for word in words:
-            self.assertIn(word, messages[0])
+        assert_one_error(self, done, *words)
         self.assertEqual(sorted(path.name for path in self.folder.iterdir()), ["edit.json", "mesh.ply"])
 
     def fail(self, edit, status, *words, **options):
