@@ -6,6 +6,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
 
+#include "deform/solve/anderson_mixing.h"
 #include "deform/solve/corotation.h"
 #include "deform/solve/limb_twist.h"
 #include "deform/solve/rotations.h"
@@ -135,24 +136,15 @@ PartField PartRotation::compose(const Blend& blended, const Columns& deviation) 
 /// Performs fixed-point steps, as `RotationField` does.
 void PartRotation::local_steps(const PartValues& values, const Blend& blended, Result& result) const {
   const Index count = part_.mesh.vertices.size(), own = part_.mesh.vertices.own();
-  Columns deviation = Columns::Zero(count, 3), previous;
-  double pace = 1;
+  Columns deviation = Columns::Zero(count, 3);
+  AndersonMixing mixing([this](const Columns& a, const Columns& b) { return mean_product(a, b); });
   while (result.iterations < iterations_) {
     result.guess = system_.solve(values, result.field, 0, result.guess.rows() > 0 ? &result.guess : nullptr);
     const Columns raw = surface_deviation(system_.maps(result.guess, values), blended, deviation);
     const Columns step = fields_.smooth(raw) - deviation;
-    if (result.iterations > 0) {
-      // The pace depends on the sums over all ranks alone.
-      const double length = comm_.sum(previous.topRows(own).squaredNorm());
-      const double along = comm_.sum(previous.topRows(own).cwiseProduct(step.topRows(own)).sum());
-      const double root = std::sqrt(length);
-      pace = damped_pace(pace, Columns::Constant(1, 1, root > 0 ? along / root : 0),
-                         Columns::Constant(1, 1, root));
-    }
-    previous = step;
-    deviation += pace * step;
+    deviation = mixing.next(deviation, step);
     result.field = compose(blended, deviation);
-    result.change = root_mean_square(step);
+    result.change = std::sqrt(mean_product(step, step));
     ++result.iterations;
     if (result.change < settled_change) break;
   }
@@ -177,16 +169,16 @@ Columns PartRotation::surface_deviation(const Columns& maps, const Blend& blende
   return deviation;
 }
 
-double PartRotation::root_mean_square(const Columns& deviation) const {
+double PartRotation::mean_product(const Columns& a, const Columns& b) const {
   double sum = 0, area = 0;
   for (Index v = 0; v < part_.mesh.vertices.own(); ++v) {
     if (!part_.mask.is_fitted(v)) continue;
-    sum += fields_.areas()[v] * deviation.row(v).squaredNorm();
+    sum += fields_.areas()[v] * a.row(v).dot(b.row(v));
     area += fields_.areas()[v];
   }
   sum = comm_.sum(sum);
   area = comm_.sum(area);
-  return area > 0 ? std::sqrt(sum / area) : 0;
+  return area > 0 ? sum / area : 0;
 }
 
 }  // namespace meshgraft::distributed

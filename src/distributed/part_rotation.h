@@ -43,7 +43,7 @@ class PartRotation {
   PartField compose(const Blend& blended, const Columns& deviation) const;
   void local_steps(const PartValues& values, const Blend& blended, Result& result) const;
   Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current) const;
-  double root_mean_square(const Columns& deviation) const;
+  double mean_product(const Columns& a, const Columns& b) const;
 
   const Communicator& comm_;
   const Part& part_;

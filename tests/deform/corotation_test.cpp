@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 
 #include "deform/solve/rotations.h"
-#include "linalg/sparse.h"
 
 namespace meshgraft {
 namespace {
@@ -67,37 +66,6 @@ TEST(Corotation, IgnoresTheImageOfAFlatRingsNormal) {
       EXPECT_LT((surface_turn(fitted, blended, normal, Vector3d::Zero()) - test.turn).norm(), 1e-9);
     }
   }
-}
-
-TEST(Corotation, PaceIsFullWhereStepsAgreeAndShorterWhereTheyReverse) {
-  Columns step(4, 3);
-  step << 1, 2, 3, -1, 0, 2, 4, 1, 1, 0, 0, -2;
-  EXPECT_EQ(damped_pace(0.3, step, Columns::Zero(4, 3)), 0.3);  // the first step has none before it
-  EXPECT_EQ(damped_pace(1.0, step, step), 1.0);
-  EXPECT_GT(damped_pace(0.3, step, step), 0.3);
-  EXPECT_LT(damped_pace(1.0, -step, step), 1.0);
-  double before = 2;
-  for (double along = 3; along >= -40; along -= 0.25) {  // the more a step reverses, the shorter is the next
-    const double pace = damped_pace(0.8, along * step, step);
-    EXPECT_LE(pace, before);
-    EXPECT_GE(pace, 0.1);
-    EXPECT_LE(pace, 1.0);
-    before = pace;
-  }
-}
-
-TEST(Corotation, PaceEndsAnOscillationOfAlternatingSteps) {
-  // A fixed point iteration x ← x + pace · (g(x) − x) with g(x) = −0.9 x swings; the pace must make it converge
-  // faster.
-  Columns x = Columns::Constant(1, 1, 1.0), previous = Columns::Zero(1, 1);
-  double pace = 1;
-  for (int k = 0; k < 12; ++k) {
-    const Columns step = -1.9 * x;
-    pace = damped_pace(pace, step, previous);
-    x += pace * step;
-    previous = step;
-  }
-  EXPECT_LT(std::abs(x(0, 0)), 0.01);  // 0.28 without damping
 }
 
 }  // namespace

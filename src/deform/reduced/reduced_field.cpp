@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 
 #include "core/parallel.h"
+#include "deform/solve/anderson_mixing.h"
 #include "deform/solve/rotations.h"
 #include "linalg/sparse.h"
 #include "surface_samples.h"
@@ -145,6 +146,8 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   weights = {};
   context.throw_if_stopped();
   interpolation_ = cell_means(centre_weights_, 1, context);
+  centre_areas_ =
+      interpolation_.transpose() * Eigen::Map<const Eigen::VectorXd>(areas_.data(), interpolation_.rows());
   cell_influence_ = cell_means(blend_weights_, 1, context);
   centre_influence_.resize(centre_count, given_.cols());
   for (Eigen::Index k = 0; k < centre_count; ++k) centre_influence_.row(k) = blend_weights_.row(centres_[k]);
@@ -401,9 +404,11 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
 void ReducedField::local_steps(const std::vector<CentreMap>& at_centres,
                                const std::vector<BlendedMap>& at_cells, Result& result,
                                const Context& context) const {
-  Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), previous;
+  Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3);
   Columns raw(static_cast<Eigen::Index>(samples_.size()), 3);
-  double pace = 1;
+  AndersonMixing mixing([this](const Columns& a, const Columns& b) {
+    return a.cwiseProduct(b).rowwise().sum().dot(centre_areas_);
+  });
   while (result.iterations < iterations_) {
     const Columns current = interpolation_ * deviation;
     const auto turn = [&](std::size_t begin, std::size_t end) {
@@ -417,9 +422,7 @@ void ReducedField::local_steps(const std::vector<CentreMap>& at_centres,
     };
     parallel_blocks(samples_.size(), turn, context, 32);
     const Columns step = smoothing_ * raw - deviation;
-    if (result.iterations > 0) pace = damped_pace(pace, step, previous);
-    previous = step;
-    deviation += pace * step;
+    deviation = mixing.next(deviation, step);
     set_field(at_centres, deviation, result.coefficients);
     ++result.iterations;
 

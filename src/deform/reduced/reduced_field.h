@@ -117,6 +117,7 @@ class ReducedField {
   Columns interpolation_;                      ///< cells × centres: means of φ
   Columns smoothing_;                          ///< centres × cells: weights of the cells in the smoothed field
   std::vector<double> areas_;                  ///< per cell
+  Eigen::VectorXd centre_areas_;               ///< per centre: the area that it moves
   Points normals_;                             ///< per cell: normal if maps are fitted to flat rings, else 0
   /// The columns of (M − I)ᵀ that `width()` rows cause, per cell. Each column is padded to four numbers, so
   /// that they are added at once.

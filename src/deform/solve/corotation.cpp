@@ -33,12 +33,4 @@ Eigen::Vector3d surface_turn(const Eigen::Matrix3d& map, const BlendedMap& blend
   return nearest_turn(rotation_log(rotation * blended.rotation.transpose()), current);
 }
 
-double damped_pace(double pace, const Columns& step, const Columns& previous) {
-  constexpr double shortest = 0.1;
-  const double length = previous.squaredNorm();
-  if (!(length > 0)) return pace;
-  const double ahead = previous.cwiseProduct(step).sum() / length;
-  return std::clamp(ahead < 0 ? pace / (1 - ahead) : pace * (1 + ahead), shortest, 1.0);
-}
-
 }  // namespace meshgraft

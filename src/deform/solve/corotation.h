@@ -11,7 +11,7 @@ namespace meshgraft {
 // One co-rotational iteration, for all vertices of the surface or for samples of it.
 
 /// The iterations stop when the root mean square change of the field falls below this, in radians.
-constexpr double settled_change = 1e-3;
+constexpr double settled_change = 2e-4;
 
 /// The map that the constraints alone give at a point of the surface: F = rotation · stretch.
 struct BlendedMap {
@@ -23,10 +23,5 @@ struct BlendedMap {
 /// was fitted to a flat ring only, so that the image of the normal is arbitrary. Otherwise `normal` is zero.
 Eigen::Vector3d surface_turn(const Eigen::Matrix3d& map, const BlendedMap& blended,
                              const Eigen::Vector3d& normal, const Eigen::Vector3d& current);
-
-/// Returns the fraction of the next step to take. Steps that agree in direction are taken in full. Steps that
-/// reverse are shortened in proportion, and lengthened again afterwards. The result is continuous, so that
-/// neighbouring frames stay similar.
-double damped_pace(double pace, const Columns& step, const Columns& previous);
 
 }  // namespace meshgraft

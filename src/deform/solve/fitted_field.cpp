@@ -13,16 +13,30 @@ bool FittedField::is_fitted(Index vertex) const {
   return true;
 }
 
+/// Returns the three rows of one vertex. `width` is the number of columns.
+template <int width>
+Eigen::Matrix<double, 3, width> FittedField::rows_of(Index vertex, const Columns& field) const {
+  using Rows = Eigen::Matrix<double, 3, width>;
+  const Rows own = field.middleRows<3>(3 * vertex);
+  if (!is_fitted(vertex)) return own;
+  Rows sum = Rows::Zero(3, field.cols());
+  visit_stencil(vertex, [&](Index node, const Eigen::Vector3d& half, const Eigen::RowVector3d& offset) {
+    sum += half * (offset * (field.middleRows<3>(3 * node) - own));
+  });
+  return own + sum;
+}
+
 Columns FittedField::operator()(const Columns& field, const Context& context) const {
-  Columns fitted = Columns::Zero(field.rows(), field.cols());
+  Columns fitted(field.rows(), field.cols());
   parallel_blocks(
       static_cast<std::size_t>(mask_.size()),
       [&](std::size_t begin, std::size_t end) {
-        for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v)
-          for (int axis = 0; axis < 3; ++axis)
-            visit(v, axis, [&](Index of, int a, double weight) {
-              fitted.row(3 * v + axis) += weight * field.row(3 * of + a);
-            });
+        for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
+          if (field.cols() == 3)
+            fitted.middleRows<3>(3 * v) = rows_of<3>(v, field);
+          else
+            fitted.middleRows<3>(3 * v) = rows_of<Eigen::Dynamic>(v, field);
+        }
       },
       context, 1024);
   return fitted;

@@ -8,6 +8,7 @@
 
 #include <meshgraft/mesh/normals.h>
 
+#include "anderson_mixing.h"
 #include "core/parallel.h"
 #include "corotation.h"
 #include "rotations.h"
@@ -295,13 +296,13 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
 }
 
 /// Performs fixed-point steps. Each step solves, takes the rotations of the surface's own maps as deviations
-/// from the blend, and smooths the deviations. Features' rotations go into the blend instead. The steps are
-/// no descent, so oscillating steps are damped. Returns false if a feature is inverted.
+/// from the blend, and smooths the deviations. Anderson mixing accelerates the steps, and keeps them from
+/// oscillating. Features' rotations go into the blend instead. Returns false if a feature is inverted.
 bool RotationField::local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
                                 const Context& context) const {
   const ConstrainedSystem::Known values = system_.known_values(constraints);
-  Columns deviation = Columns::Zero(system_.patch().size(), 3), previous;
-  double pace = 1;
+  Columns deviation = Columns::Zero(system_.patch().size(), 3);
+  AndersonMixing mixing([this](const Columns& a, const Columns& b) { return mean_product(a, b); });
   while (result.iterations < iterations_) {
     Columns& y = result.problem.guess;
     y = system_.solve(values, result.problem.field, {.guess = &y}, context);
@@ -314,11 +315,9 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, B
     }
     const Columns raw = surface_deviation(system_.maps(y, values, context), blended, deviation, context);
     const Columns step = fields_.smooth(raw, deviation, context) - deviation;
-    if (result.iterations > 0) pace = damped_pace(pace, step, previous);
-    previous = step;
-    deviation += pace * step;
+    deviation = mixing.next(deviation, step);
     result.problem.field = compose(blended, deviation, context);
-    result.change = std::max(root_mean_square(step), turn);
+    result.change = std::max(std::sqrt(mean_product(step, step)), turn);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled_change) break;
@@ -340,14 +339,15 @@ Columns RotationField::surface_deviation(const Columns& maps, const Blend& blend
   return deviation;
 }
 
-double RotationField::root_mean_square(const Columns& deviation) const {
+/// Returns the mean of a · b over the area around the fitted vertices.
+double RotationField::mean_product(const Columns& a, const Columns& b) const {
   double sum = 0, area = 0;
   for (Index v = 0; v < system_.patch().size(); ++v) {
     if (!system_.mask().is_fitted(v)) continue;
-    sum += fields_.areas()[v] * deviation.row(v).squaredNorm();
+    sum += fields_.areas()[v] * a.row(v).dot(b.row(v));
     area += fields_.areas()[v];
   }
-  return area > 0 ? std::sqrt(sum / area) : 0;
+  return area > 0 ? sum / area : 0;
 }
 
 }  // namespace meshgraft

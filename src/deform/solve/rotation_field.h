@@ -61,7 +61,7 @@ class RotationField {
                    const Context& context) const;
   Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                             const Context& context) const;
-  double root_mean_square(const Columns& deviation) const;
+  double mean_product(const Columns& a, const Columns& b) const;
 
   const ConstrainedSystem& system_;
   bool has_features_ = false;

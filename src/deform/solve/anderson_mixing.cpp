@@ -1,0 +1,54 @@
+#include "anderson_mixing.h"
+
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+namespace meshgraft {
+
+namespace {
+
+constexpr std::size_t most_changes = 5;
+constexpr double most_growth = 1.5;  ///< of the residual's norm
+
+/// Returns γ that makes ‖f − Σ γ_k Δf_k‖ small, from the products of the Δf and those with f. The changes of
+/// the residual can be nearly parallel, so the diagonal is made slightly larger.
+Eigen::VectorXd mixing_weights(const Eigen::MatrixXd& products, const Eigen::VectorXd& with_residual) {
+  constexpr double ridge = 1e-8;
+  Eigen::VectorXd scale = products.diagonal().cwiseSqrt();
+  scale = (scale.array() > 0).select(scale.cwiseInverse(), 0);
+  Eigen::MatrixXd scaled = scale.asDiagonal() * products * scale.asDiagonal();
+  scaled.diagonal().array() += ridge;
+  return scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(with_residual)));
+}
+
+}  // namespace
+
+Columns AndersonMixing::next(const Columns& current, const Columns& step) {
+  const double square = product_(step, step);
+  if (residual_.rows() > 0) {
+    if (square > most_growth * most_growth * residual_square_) changes_.clear();
+    changes_.push_front({current - iterate_, step - residual_});
+    if (changes_.size() > most_changes) changes_.pop_back();
+  }
+  iterate_ = current;
+  residual_ = step;
+  residual_square_ = square;
+
+  const auto count = static_cast<Eigen::Index>(changes_.size());
+  Eigen::MatrixXd products(count, count);
+  Eigen::VectorXd with_residual(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    with_residual[k] = product_(changes_[k].residual, step);
+    products(k, 0) = products(0, k) = product_(changes_[k].residual, changes_[0].residual);
+  }
+  if (count > 1)
+    products.bottomRightCorner(count - 1, count - 1) = products_.topLeftCorner(count - 1, count - 1);
+  products_ = products;
+  const Eigen::VectorXd weights = mixing_weights(products, with_residual);
+  Columns mixed = current + step;
+  for (Eigen::Index k = 0; k < count; ++k) mixed -= weights[k] * (changes_[k].iterate + changes_[k].residual);
+  return mixed;
+}
+
+}  // namespace meshgraft
