@@ -62,6 +62,29 @@ BenchEdit make_bump_edit(Index vertex_count) {
   return edit;
 }
 
+BenchEdit make_bend_edit(const Mesh& mesh) {
+  BenchEdit edit;
+  edit.positions = mesh.positions;
+  edit.triangles = triangulate(mesh).triangles;
+  const Eigen::RowVector3d low = edit.positions.colwise().minCoeff();
+  const Eigen::RowVector3d size = edit.positions.colwise().maxCoeff() - low;
+  int longest = 0;
+  size.maxCoeff(&longest);
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (Index v = 0; v < static_cast<Index>(edit.positions.rows()); ++v) {
+    const double height = (edit.positions(v, longest) - low[longest]) / size[longest];
+    if (height < 0.1) edit.fixed.push_back(v);
+    if (height <= 0.9) continue;
+    edit.handle.push_back(v);
+    centre += edit.positions.row(v).transpose();
+  }
+  centre /= static_cast<double>(edit.handle.size());
+  edit.pose = Eigen::Translation3d(centre) *
+              Eigen::AngleAxisd(std::numbers::pi / 4, Eigen::Vector3d::Unit((longest + 1) % 3)) *
+              Eigen::Translation3d(-centre);
+  return edit;
+}
+
 Region region_of(const BenchEdit& edit) {
   Region region;
   region.whole = true;

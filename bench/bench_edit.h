@@ -25,6 +25,10 @@ struct BenchEdit {
 /// mesh.
 BenchEdit make_bump_edit(Index vertex_count);
 
+/// Returns an edit of any mesh: the lowest tenth along the longest side of its box is fixed, and the highest
+/// tenth is the handle, turned by 45° about an axis across that side through its centroid.
+BenchEdit make_bend_edit(const Mesh& mesh);
+
 /// Returns the edit's region with its fixed vertices and its handle.
 Region region_of(const BenchEdit& edit);
 

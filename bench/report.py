@@ -23,11 +23,22 @@ REGION_PARTS = ["prepare", "normal", "analyse", "factorise"]
 MERGE_STAGES = ["match", "assemble", "factorise", "solve", "seam"]
 
 
-def read_medians(benchmarks):
-    """Return {(system, variant, backend): {size: {counter: median}}}, and the number of repetitions."""
+SHEET = "sheet"
+
+
+def mesh_of(entry):
+    """Return the mesh of a benchmark: the fifth part of its name, or the sheet."""
+    parts = entry["name"].split("/")
+    return parts[4] if len(parts) > 4 and ":" not in parts[4] and parts[4] != "manual_time" else SHEET
+
+
+def read_medians(benchmarks, mesh=SHEET):
+    """Return {(system, variant, backend): {size: {counter: median}}} of a mesh, and the number of repetitions."""
     runs = defaultdict(list)
     for entry in benchmarks:
         if entry.get("run_type", "iteration") != "iteration":
+            continue
+        if mesh_of(entry) != mesh:
             continue
         if entry.get("error_occurred"):
             raise SystemExit(f"{entry['name']} failed: {entry.get('error_message', '')}")
@@ -41,7 +52,7 @@ def read_medians(benchmarks):
             if isinstance(value, (int, float))
         }
         medians[system, variant, backend][size] = numbers
-    return medians, max(map(len, runs.values()))
+    return medians, max(map(len, runs.values()), default=0)
 
 
 def table(header, rows):
@@ -165,6 +176,35 @@ def comparison_table(ours, theirs):
     return table(header, rows)
 
 
+def mesh_table(benchmarks):
+    """Return the set-ups and evaluations on all meshes but the sheet, beside CGAL's."""
+    rows = []
+    for mesh in dict.fromkeys(map(mesh_of, benchmarks)):
+        if mesh == SHEET:
+            continue
+        medians, _ = read_medians(benchmarks, mesh)
+        theirs = medians.get(("cgal", "SRE_ARAP", "default"), {})
+        for (system, variant, _), by_size in medians.items():
+            if system != "meshgraft":
+                continue
+            for size, our in sorted(by_size.items()):
+                their = theirs.get(size)
+                their_set_up = their["construct"] + their["preprocess"] if their else None
+                rows.append([
+                    mesh, f"{our['vertices']:,.0f}", variant, milliseconds(set_up(our)),
+                    milliseconds(their_set_up) if their else "–",
+                    ratio(set_up(our), their_set_up) if their else "–",
+                    milliseconds(our["evaluate"]),
+                    milliseconds(their["deform"]) if their else "–",
+                    ratio(our["evaluate"], their["deform"]) if their else "–",
+                    f"{our.get('steps', 0):.0f}",
+                ])
+    if not rows:
+        return ""
+    return table(["mesh", "vertices", "method", "set-up", "CGAL set-up", "ratio", "evaluate", "CGAL deform", "ratio",
+                  "steps"], rows)
+
+
 def merge_table(runs):
     rows = []
     for (_, shape, pose), by_size in runs.items():
@@ -190,7 +230,7 @@ def machine(context, repetitions):
 
 def make_report(data):
     medians, repetitions = read_medians(data["benchmarks"])
-    parts = [machine(data["context"], repetitions)]
+    parts = [machine(data["context"], repetitions or 1)]
     rates = {key[1]: next(iter(sizes.values())) for key, sizes in medians.items() if key[0] == "machine"}
     dgemm = rates["dgemm"]["all_cores"] if "dgemm" in rates else None
     if rates:
@@ -216,6 +256,9 @@ def make_report(data):
         for (_, treatment, backend), our_sizes in ours.items():
             if backend == "multifrontal":
                 parts += [f"### {treatment}, {backend} beside CGAL's {method}", comparison_table(our_sizes, sizes)]
+    others = mesh_table(data["benchmarks"])
+    if others:
+        parts += ["### other meshes", others]
     merges = {key: sizes for key, sizes in medians.items() if key[0] == "merge"}
     if merges:
         parts += ["### merging", merge_table(merges)]

@@ -1,7 +1,9 @@
 // Times set-up and evaluation, stage by stage, beside CGAL's on the same mesh and constraints, and merging:
 //
-//   meshgraft_bench [--eigen_max_vertices=20000] [--iterative_max_vertices=100000] [Google Benchmark's own
-//   flags]
+//   meshgraft_bench [--eigen_max_vertices=20000] [--iterative_max_vertices=100000] [--mesh=FILE] [Google
+//   Benchmark's own flags]
+//
+// With --mesh, the set-up and evaluation of that mesh alone are timed.
 //
 // One iteration is one edit from scratch. Its stages are counters in seconds, so that the medians over
 // repetitions are each stage's own; the benchmark's time is their sum.
@@ -10,8 +12,11 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +25,8 @@
 
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
+#include <meshgraft/io/mesh_io.h>
+#include <meshgraft/samples/samples.h>
 
 #include "../cli/blas_kernels.h"
 #include "bench_merge.h"
@@ -44,15 +51,17 @@ void run_deformer(benchmark::State& state, const BenchEdit& edit, const Deformer
   poses[0].transform = edit.pose;
   Points positions(edit.positions.rows(), 3);
   DeformerSummary summary;
+  EvaluationReport evaluation;
   Quality quality;
   const PeakMemory memory;
   for ([[maybe_unused]] auto iteration : state) {
     const Deformer deformer(edit.positions, edit.triangles, region, options);
     summary = deformer.summary();
-    report(state, {{"assemble", summary.assemble_seconds},
-                   {"analyse", summary.analyse_seconds},
-                   {"factorise", summary.factorise_seconds},
-                   {"evaluate", median_seconds(5, [&] { deformer.evaluate(poses, positions); })}});
+    report(state,
+           {{"assemble", summary.assemble_seconds},
+            {"analyse", summary.analyse_seconds},
+            {"factorise", summary.factorise_seconds},
+            {"evaluate", median_seconds(5, [&] { deformer.evaluate(poses, positions, {}, &evaluation); })}});
     quality = measure_quality({edit.positions, positions, edit.triangles, deformer.free_vertices()},
                               {.self_intersections = false});
   }
@@ -60,6 +69,7 @@ void run_deformer(benchmark::State& state, const BenchEdit& edit, const Deformer
   state.counters["vertices"] = static_cast<double>(edit.positions.rows());
   state.counters["free"] = summary.free_vertices;
   state.counters["peak_bytes"] = static_cast<double>(memory.bytes());
+  state.counters["steps"] = evaluation.iterations;
   state.counters["factor_flops"] = summary.solver.factor_flops;
   state.counters["unknowns"] = static_cast<double>(summary.solver.unknowns);
   state.counters["factor_nonzeros"] = static_cast<double>(summary.solver.factor_nonzeros);
@@ -199,6 +209,39 @@ void register_cgal(Edits& edits) {
   }
 }
 
+/// Registers the methods and CGAL's SRE_ARAP on a mesh that is not the sheet. The names end with the mesh's.
+void register_mesh(const std::string& mesh_name, Index size, const std::function<const BenchEdit&()>& edit) {
+  const std::string end = std::to_string(size) + "/" + mesh_name;
+  for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
+    DeformerOptions options;
+    options.method = DeformMethod::ft05;
+    options.operators.degenerate = treatment;
+    add("meshgraft/" + std::string(to_string(treatment)) + "/default/" + end,
+        [edit, options](benchmark::State& state) { run_deformer(state, edit(), options); });
+  }
+  add("meshgraft/corotational/default/" + end,
+      [edit](benchmark::State& state) { run_deformer(state, edit(), {}); });
+  add("cgal/SRE_ARAP/default/" + end,
+      [edit](benchmark::State& state) { run_surface_mesh_deformation(state, edit(), CgalMethod::sre_arap); });
+}
+
+/// Registers closed and curved samples, with irregular triangles.
+void register_samples() {
+  struct Case {
+    std::string sample;
+    Index size;
+    int resolution;
+  };
+  for (const Case& one : {Case{"octopus", 50'000, 213}, Case{"dinosaur", 50'000, 200},
+                          Case{"head", 50'000, 201}, Case{"octopus", 250'000, 475}}) {
+    const auto made = std::make_shared<std::optional<BenchEdit>>();
+    register_mesh(one.sample, one.size, [one, made]() -> const BenchEdit& {
+      if (!*made) *made = make_bend_edit(make_sample(one.sample, one.resolution));
+      return **made;
+    });
+  }
+}
+
 void register_merge(Merges& merges) {
   struct Case {
     MergeShape shape;
@@ -220,15 +263,29 @@ void register_merge(Merges& merges) {
   }
 }
 
-// Takes a flag of our own out of the arguments; the rest is Google Benchmark's.
-Index take_number(std::string_view flag, Index value, int& argc, char** argv) {
+// Takes a flag of our own out of the arguments; the rest is Google Benchmark's. Returns its last value, or "".
+std::string take_text(std::string_view flag, int& argc, char** argv) {
+  std::string value;
   char** const end = std::remove_if(argv + 1, argv + argc, [&](const char* argument) {
     if (!std::string_view(argument).starts_with(flag)) return false;
-    value = static_cast<Index>(std::strtol(argument + flag.size(), nullptr, 10));
+    value = argument + flag.size();
     return true;
   });
   argc = static_cast<int>(end - argv);
   return value;
+}
+
+Index take_number(std::string_view flag, Index value, int& argc, char** argv) {
+  const std::string text = take_text(flag, argc, argv);
+  return text.empty() ? value : static_cast<Index>(std::strtol(text.c_str(), nullptr, 10));
+}
+
+int run(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
 }
 
 }  // namespace
@@ -241,7 +298,16 @@ int main(int argc, char** argv) {
   meshgraft::bench::MaxVertices most;
   most.eigen = meshgraft::bench::take_number("--eigen_max_vertices=", most.eigen, argc, argv);
   most.iterative = meshgraft::bench::take_number("--iterative_max_vertices=", most.iterative, argc, argv);
+  const std::string file = meshgraft::bench::take_text("--mesh=", argc, argv);
   meshgraft::bench::register_machine();
+  if (!file.empty()) {
+    const auto edit = meshgraft::bench::make_bend_edit(meshgraft::read_mesh(file));
+    meshgraft::bench::register_mesh(std::filesystem::path(file).stem().string(),
+                                    static_cast<meshgraft::Index>(edit.positions.rows()),
+                                    [&]() -> const meshgraft::bench::BenchEdit& { return edit; });
+    return meshgraft::bench::run(argc, argv);
+  }
+  meshgraft::bench::register_samples();
   meshgraft::bench::register_deformer(edits, most);
   meshgraft::bench::register_corotational(edits);
   meshgraft::bench::register_frames(edits);
@@ -249,8 +315,5 @@ int main(int argc, char** argv) {
   meshgraft::bench::register_orderings(edits);
   meshgraft::bench::register_cgal(edits);
   meshgraft::bench::register_merge(merges);
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
+  return meshgraft::bench::run(argc, argv);
 }

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "deform/rotating_methods.h"
 #include "deform/solve/corotation.h"
 #include "deform/solve/rotations.h"
 #include "deform/system_scene.h"
@@ -268,6 +269,26 @@ TEST(RotationField, ASettledFieldHasTheRotationsOfItsOwnSolution) {
     const Columns after = scene.system->maps(y, values, {});
     EXPECT_LT((after - before).norm(), 0.02 * before.norm());
   }
+}
+
+TEST(RotationField, TheDefaultNumberOfStepsIsWithinAThousandthOfTheSettledResult) {
+  for (const test::TestMesh& mesh : test::mesh_families())
+    for (const double angle : {45.0, 120.0}) {
+      SCOPED_TRACE(mesh.name + ", " + std::to_string(angle));
+      const test::Scene ends = test::make_scene(mesh);
+      const Region region = test::held_foot(ends);
+      const SystemScene scene(mesh, region), longer(mesh, region, {.iterations = 200});
+      const HandlePose pose = test::turned(ends, angle);
+      const auto constraints = scene.constraints(std::vector{pose});
+      const ConstrainedSystem::Known values = scene.system->known_values(constraints);
+      const auto displacements = [&](const RotationField::Result& found) {
+        const Columns y = scene.system->solve(values, found.problem.field, {.corrections = 1}, {});
+        return scene.system->displacements(y, values, {});
+      };
+      const Columns usual = displacements(scene.rotations->find(constraints, {}));
+      const Columns settled = displacements(longer.rotations->find(constraints, {}, 1e-6));
+      EXPECT_LT((usual - settled).norm(), 1e-3 * settled.norm());
+    }
 }
 
 TEST(RotationField, OfASharedPatchIsThatOfOneSetUpAlone) {

@@ -11,7 +11,7 @@ namespace meshgraft {
 // One co-rotational iteration, for all vertices of the surface or for samples of it.
 
 /// The iterations stop when the root mean square change of the field falls below this, in radians.
-constexpr double settled_change = 2e-4;
+constexpr double settled_change = 1e-4;
 
 /// The map that the constraints alone give at a point of the surface: F = rotation · stretch.
 struct BlendedMap {

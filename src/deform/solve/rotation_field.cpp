@@ -10,7 +10,6 @@
 
 #include "anderson_mixing.h"
 #include "core/parallel.h"
-#include "corotation.h"
 #include "rotations.h"
 
 namespace meshgraft {
@@ -79,8 +78,8 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
   normals_ = std::make_shared<const Points>(vertex_normals(patch.points, patch.triangles, faces_at, context));
 }
 
-RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints,
-                                          const Context& context) const {
+RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints, const Context& context,
+                                          double settled) const {
   Result result;
   if (system_.row_count() == 0) return result;  // all positions are given
   Blend blended;
@@ -94,7 +93,7 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
       if (found) result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
     }
   }
-  if (found && iterations_ > 0) found = local_steps(constraints, blended, result, context);
+  if (found && iterations_ > 0) found = local_steps(constraints, settled, blended, result, context);
   if (!found) {
     result = {};
     result.linear = true;
@@ -298,8 +297,8 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
 /// Performs fixed-point steps. Each step solves, takes the rotations of the surface's own maps as deviations
 /// from the blend, and smooths the deviations. Anderson mixing accelerates the steps, and keeps them from
 /// oscillating. Features' rotations go into the blend instead. Returns false if a feature is inverted.
-bool RotationField::local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
-                                const Context& context) const {
+bool RotationField::local_steps(std::span<const VertexConstraint> constraints, double settled, Blend& blended,
+                                Result& result, const Context& context) const {
   const ConstrainedSystem::Known values = system_.known_values(constraints);
   Columns deviation = Columns::Zero(system_.patch().size(), 3);
   AndersonMixing mixing([this](const Columns& a, const Columns& b) { return mean_product(a, b); });
@@ -320,7 +319,7 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, B
     result.change = std::max(std::sqrt(mean_product(step, step)), turn);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
-    if (result.change < settled_change) break;
+    if (result.change < settled) break;
   }
   return true;
 }

@@ -7,6 +7,7 @@
 #include <meshgraft/deform/deform_problem.h>
 
 #include "constrained_system.h"
+#include "corotation.h"
 #include "limb_twist.h"
 #include "linalg/sparse.h"
 #include "surface_fields.h"
@@ -30,7 +31,9 @@ class RotationField {
     double change = 0;                   ///< root mean square change that the last iteration asked for, radians
     bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
   };
-  Result find(std::span<const VertexConstraint> constraints, const Context& context) const;
+  /// The iterations end when the field would change by less than `settled`, in radians.
+  Result find(std::span<const VertexConstraint> constraints, const Context& context,
+              double settled = settled_change) const;
 
   const SurfaceFields& fields() const { return fields_; }
   const LimbTwist& limbs() const { return limbs_; }
@@ -57,8 +60,8 @@ class RotationField {
   std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
   MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
-  bool local_steps(std::span<const VertexConstraint> constraints, Blend& blended, Result& result,
-                   const Context& context) const;
+  bool local_steps(std::span<const VertexConstraint> constraints, double settled, Blend& blended,
+                   Result& result, const Context& context) const;
   Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                             const Context& context) const;
   double mean_product(const Columns& a, const Columns& b) const;
