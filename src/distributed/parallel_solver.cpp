@@ -82,6 +82,24 @@ void set_near_null_space(Mat matrix, const Eigen::MatrixXd& vectors) {
   require(MatSetNearNullSpace(matrix, space));
 }
 
+/// Counts what PETSc does under the name of a stage, until it is destroyed. `-log_view` shows the stages apart.
+class LogStage {
+ public:
+  explicit LogStage(const char* name) {
+    PetscLogStage stage = -1;
+    require(PetscLogStageGetId(name, &stage));
+    if (stage < 0) require(PetscLogStageRegister(name, &stage));
+    require(PetscLogStagePush(stage));
+  }
+  LogStage(const LogStage&) = delete;
+  LogStage& operator=(const LogStage&) = delete;
+  ~LogStage() { PetscLogStagePop(); }
+};
+
+constexpr const char* set_up_stage = "Set-up";
+constexpr const char* fine_stage = "Fine grid";
+constexpr const char* coarse_stage = "Coarse grid";
+
 /// Applies a preconditioner of N to interleaved columns, one after another.
 struct ColumnByColumn {
   KSP solver = nullptr;
@@ -92,6 +110,7 @@ struct ColumnByColumn {
     void* context = nullptr;
     PetscCall(PCShellGetContext(preconditioner, &context));
     auto* self = static_cast<ColumnByColumn*>(context);
+    const LogStage stage(coarse_stage);
     for (int column = 0; column < self->width; ++column) {
       PetscCall(VecStrideGather(from, column, self->x, INSERT_VALUES));
       PetscCall(KSPSolve(self->solver, self->x, self->y));
@@ -241,6 +260,7 @@ void ParallelSolver::Impl::add_multigrid(WidthSolver& solver, int width) {
 WidthSolver& ParallelSolver::Impl::solver_of(int width) {
   std::unique_ptr<WidthSolver>& known = by_width[width];
   if (known) return *known;
+  const LogStage stage(set_up_stage);
   known = std::make_unique<WidthSolver>();
   WidthSolver& solver = *known;
   require(MatCreateMAIJ(matrix, width, solver.matrix.out()));
@@ -280,6 +300,7 @@ ParallelSolver::ParallelSolver(const Communicator& comm, MatrixRows rows, const 
     : impl_(std::make_unique<Impl>(comm, options)) {
   Impl& d = *impl_;
   start_petsc();
+  const LogStage stage(set_up_stage);
   const Number own = static_cast<Number>(rows.offsets.size()) - 1;
   d.figures.unknowns = comm.sum(own);
   d.figures.matrix_nonzeros = comm.sum(rows.offsets.back());
@@ -319,7 +340,10 @@ Columns ParallelSolver::solve(const Columns& rhs, double tolerance, const Column
   if (guess != nullptr) write(*guess, solver.x);
   require(KSPSetInitialGuessNonzero(solver.cg, guess != nullptr ? PETSC_TRUE : PETSC_FALSE));
   require(KSPSetTolerances(solver.cg, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations));
-  require(KSPSolve(solver.cg, solver.y, solver.x));
+  {
+    const LogStage stage(fine_stage);
+    require(KSPSolve(solver.cg, solver.y, solver.x));
+  }
 
   KSPConvergedReason reason;
   PetscInt iterations = 0;
