@@ -26,6 +26,11 @@ import time
 from pathlib import Path
 
 SET_UP, FINE, COARSE = "Set-up", "Fine grid", "Coarse grid"
+# Bytes of memory traffic per flop. A product reads 12 bytes per entry of the matrix; on the fine grid it multiplies three
+# columns by it. Vectors move 12 bytes per flop, as in y + a x.
+TRAFFIC = {FINE: {"MatMult": 2, "MatMultAdd": 2, "MatMultTranspose": 2, "MatMultTrAdd": 2},
+           COARSE: {"MatMult": 6, "MatMultAdd": 6, "MatMultTranspose": 6, "MatSolve": 6}}
+VECTOR_TRAFFIC = 12
 COLUMNS = 3  # x, y and z, which the coarse grid takes one after another
 TABLES = {
     "counts": ("vertices", "ranks", "iterations", "coarse_cycles", "largest_part", "largest_halo", "neighbours",
@@ -133,6 +138,11 @@ def count(log, ranks, vertices):
         return [sum(log[stage]["summary"][rank][figure] for stage in (FINE, COARSE) if stage in log)
                 for rank in range(ranks)]
 
+    def traffic(stage):
+        """Of all ranks; every event that is counted here has no other within."""
+        return sum(figures.get(rank, {}).get("flop", 0) * TRAFFIC[stage].get(name, VECTOR_TRAFFIC if name.startswith("Vec") else 0)
+                   for name, figures in log.get(stage, {}).items() if name != "summary" for rank in range(ranks))
+
     iterations = max(1, event(FINE, "MatMult", "count")[0]) if COARSE not in log else event(COARSE, "KSPSolve", "count")[0] / COLUMNS
     return {
         "iterations": iterations,
@@ -144,6 +154,8 @@ def count(log, ranks, vertices):
         "flops_per_vertex": sum(of_both("flop")) / iterations / vertices,
         "coarse_flops_per_vertex": sum(log[COARSE]["summary"][rank]["flop"] for rank in range(ranks)) / iterations / vertices
         if COARSE in log else 0,
+        "fine_traffic": traffic(FINE) / iterations / vertices,
+        "coarse_traffic": traffic(COARSE) / iterations / vertices,
         "fine_seconds": max(log[FINE]["summary"][rank]["time"] for rank in range(ranks)),
         "coarse_seconds": max(log[COARSE]["summary"][rank]["time"] for rank in range(ranks)) if COARSE in log else 0,
         "set_up_flops_per_vertex": sum(log[SET_UP]["summary"][rank]["flop"] for rank in range(ranks)) / vertices,

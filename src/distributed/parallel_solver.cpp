@@ -15,6 +15,7 @@ namespace meshgraft::distributed {
 
 namespace {
 
+/// Returns a number of unknowns as PETSc's. Throws Error(input) if PETSc can not number so many.
 PetscInt petsc_int(Number number) {
   if (number > std::numeric_limits<PetscInt>::max())
     throw Error(facts::distributed::NeedsWideIndices{.unknowns = number});
@@ -49,6 +50,13 @@ void fill_empty_rows(Mat matrix) {
   for (PetscInt k = 0; k < count; ++k) values[k] = values[k] > 0 ? 0 : 1;
   require(VecRestoreArray(diagonal, &values));
   require(MatDiagonalSet(matrix, diagonal, ADD_VALUES));
+}
+
+/// Sets an option of PETSc unless it is set.
+void set_default_option(const std::string& name, const char* value) {
+  PetscBool is_set = PETSC_FALSE;
+  require(PetscOptionsHasName(nullptr, nullptr, name.c_str(), &is_set));
+  if (is_set == PETSC_FALSE) require(PetscOptionsSetValue(nullptr, name.c_str(), value));
 }
 
 /// Attaches the vectors that have (nearly) no energy, the columns of `vectors`, made orthonormal.
@@ -205,7 +213,7 @@ void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::str
   require(KSPSetOperators(inner, of, of));
   if (of == coarse) {
     constexpr double tolerance = 0.05;
-    constexpr int most_iterations = 8;
+    constexpr int most_iterations = 16;
     require(KSPSetType(inner, KSPCG));
     require(KSPSetNormType(inner, KSP_NORM_NATURAL));
     require(KSPSetTolerances(inner, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations));
@@ -217,6 +225,13 @@ void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::str
   require(PCSetType(preconditioner, type));
   if (options.preconditioner == Preconditioner::mumps && of == matrix)
     require(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS));
+  if (of == coarse) {
+    // Each aggregate has four functions, whose blocks are inverted together. A rank with few unknowns of a level
+    // costs more messages than it saves work.
+    constexpr PetscInt unknowns_per_rank = 1000;
+    require(PCGAMGSetProcEqLim(preconditioner, unknowns_per_rank));
+    set_default_option("-" + options.prefix + prefix + "mg_levels_pc_type", PCPBJACOBI);
+  }
   require(KSPSetFromOptions(inner));
   require(KSPSetUp(inner));
 }
@@ -260,6 +275,7 @@ void ParallelSolver::Impl::add_multigrid(WidthSolver& solver, int width) {
 WidthSolver& ParallelSolver::Impl::solver_of(int width) {
   std::unique_ptr<WidthSolver>& known = by_width[width];
   if (known) return *known;
+  petsc_int(width * figures.unknowns);
   const LogStage stage(set_up_stage);
   known = std::make_unique<WidthSolver>();
   WidthSolver& solver = *known;
@@ -304,8 +320,8 @@ ParallelSolver::ParallelSolver(const Communicator& comm, MatrixRows rows, const 
   const Number own = static_cast<Number>(rows.offsets.size()) - 1;
   d.figures.unknowns = comm.sum(own);
   d.figures.matrix_nonzeros = comm.sum(rows.offsets.back());
-  if (d.figures.unknowns > std::numeric_limits<PetscInt>::max())
-    throw Error(facts::distributed::NeedsWideIndices{.unknowns = d.figures.unknowns});
+  constexpr Number columns = 3;  // x, y and z, interleaved
+  petsc_int(columns * d.figures.unknowns);
   d.matrix = make_matrix(comm, rows, own, 1);
   rows = {};
   require(MatSetOption(d.matrix, MAT_SPD, PETSC_TRUE));

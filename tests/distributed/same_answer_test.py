@@ -5,6 +5,7 @@
 """
 
 import json
+import re
 import struct
 import sys
 import tempfile
@@ -192,6 +193,27 @@ class SameAnswer(Scene):
         for name in ("gamg", "hypre", "mumps"):
             found = self.together(edit, 2, "--preconditioner", name)[3]
             self.assertLess(largest_difference(expected, found), 1e-8, name)
+
+    def test_options_of_petsc(self):
+        mesh = Mesh()
+        mesh.add_sheet(40, 40)
+        mesh.write(self.mesh)
+        edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
+                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+
+        def output_of(*options):
+            done = run_ranks(2, edit, "-o", self.folder / "out.ply", *options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return done.stdout
+        self.assertEqual(output_of(), "")
+        found = output_of("--petsc", "-ksp_monitor -log_view -coarse_ksp_max_it 3 -coarse_ksp_converged_reason")
+        norms = [float(norm) for norm in re.findall(r"^ *\d+ KSP Residual norm (\S+)", found, re.MULTILINE)]
+        self.assertGreater(len(norms), 5)
+        self.assertLess(min(norms), 1e-3 * max(norms))
+        inner = [int(count) for count in re.findall(r"coarse_ solve .* iterations (\d+)", found)]
+        self.assertEqual(max(inner), 3, "the options of a part of the solver have its prefix")
+        for stage in ("Set-up", "Fine grid", "Coarse grid"):
+            self.assertRegex(found, rf"\d: +{stage}: ")
 
     def test_report(self):
         mesh = Mesh()

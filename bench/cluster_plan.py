@@ -1,0 +1,120 @@
+#!/usr/bin/env python3
+"""Plans a run of meshgraft-mpi: memory, minutes and cost, from measured work and assumed machines.
+
+    cluster_plan.py VERTICES MACHINES [--memory-bandwidth GB/S] [--latency MICROSECONDS] …
+
+docs/scale.md tells the model in full and compares it with measurements. The work is that of a linear solve (method ft05,
+tolerance 1e-8); bench/cluster_scale.py measures it.
+"""
+
+import argparse
+import dataclasses
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Work:
+    """Work of an edit, as measured. Per vertex if not told otherwise; seconds are those of one core."""
+    bytes: float = 10121  # of memory, at the peak
+    assemble: float = 8.0e-6  # seconds
+    divide: float = 5.0e-6  # seconds
+    set_up: float = 2.0e-5  # seconds
+    iterations: float = 30  # of the run, all solves together
+    fine_traffic: float = 8000  # bytes of memory traffic per iteration, on the fine grid
+    cycle_traffic: float = 2000  # bytes of memory traffic per cycle of GAMG and all three columns
+    cycles: float = 7  # of GAMG per iteration and column
+    messages: float = 2000  # per rank and iteration, at measured_ranks
+    message_bytes: float = 1.2e6  # likewise, at measured_part vertices per rank
+    reductions: float = 42  # per iteration
+    measured_ranks: int = 64
+    measured_part: int = 4096
+    file_bytes: float = 50  # of a file of positions in double precision and triangles
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine of the cluster, and its network. These are assumptions; put in your own."""
+    ranks: int = 64
+    memory: float = 256e9  # bytes
+    memory_bandwidth: float = 300e9  # bytes per second, by the STREAM triad on all cores
+    core_speed: float = 1.0  # relative to the core on which seconds were measured
+    latency: float = 2e-6  # seconds for a message between machines
+    network_bandwidth: float = 12.5e9  # bytes per second of one machine
+    file_bandwidth: float = 2e9  # bytes per second of the file system, for all machines together
+    price: float = 3.0  # per hour
+
+
+@dataclass(frozen=True)
+class Plan:
+    ranks: int
+    part: float  # vertices per rank
+    memory: float  # bytes per machine
+    seconds: dict  # stage → seconds
+
+    @property
+    def total(self):
+        return sum(self.seconds.values())
+
+
+def plan(vertices, machines, machine=Machine(), work=Work()):
+    """Returns the plan of a run on a number of machines."""
+    ranks = machines * machine.ranks
+    part, of_machine = vertices / ranks, vertices / machines
+    traffic = work.fine_traffic + work.cycles * work.cycle_traffic
+    # Messages grow with the number of levels of GAMG, which grows as the logarithm of the number of ranks. Halos grow as
+    # the border of a part.
+    levels = math.log2(ranks) / math.log2(work.measured_ranks) if ranks > 1 else 0
+    halo = math.sqrt(part / work.measured_part) if ranks > 1 else 0
+    seconds = {
+        "file": 2 * vertices * work.file_bytes / machine.file_bandwidth,
+        "assemble": part * work.assemble / machine.core_speed,
+        "divide": part * work.divide / machine.core_speed,
+        "set-up": part * work.set_up / machine.core_speed,
+        "solve: memory": work.iterations * of_machine * traffic / machine.memory_bandwidth,
+        "solve: latency": work.iterations * machine.latency
+                          * (work.messages * levels + work.reductions * math.ceil(math.log2(ranks))),
+        "solve: bytes sent": work.iterations * work.message_bytes * halo * levels * machine.ranks / machine.network_bandwidth,
+    }
+    return Plan(ranks, part, of_machine * work.bytes, seconds)
+
+
+def cost(found, machines, machine):
+    return found.total / 3600 * machines * machine.price
+
+
+def most_vertices(machine, work=Work(), share=0.5):
+    """Returns the number of vertices that a share of a machine's memory holds."""
+    return share * machine.memory / work.bytes
+
+
+def rows_of(found, machines, machine):
+    return [("ranks", f"{found.ranks:,}"), ("vertices per rank", f"{found.part:,.0f}"),
+            ("memory per machine, GB", f"{found.memory / 1e9:,.0f}"),
+            *((f"{stage}, s", f"{seconds:,.1f}") for stage, seconds in found.seconds.items()),
+            ("minutes", f"{found.total / 60:,.1f}"), ("cost", f"{cost(found, machines, machine):,.2f}")]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("vertices", type=float)
+    parser.add_argument("machines", type=int)
+    units = {"memory": 1e9, "memory_bandwidth": 1e9, "network_bandwidth": 1e9, "file_bandwidth": 1e9, "latency": 1e-6}
+    for kind in (Machine, Work):
+        for field in dataclasses.fields(kind):
+            unit = units.get(field.name, 1) if kind is Machine else 1
+            parser.add_argument("--" + ("work-" if kind is Work else "") + field.name.replace("_", "-"), type=float,
+                                default=field.default / unit, help=f"({field.default / unit:g})")
+    given = vars(parser.parse_args())
+    machine = Machine(**{field.name: field.type(given[field.name] * units.get(field.name, 1))
+                         for field in dataclasses.fields(Machine)})
+    work = Work(**{field.name: field.type(given["work_" + field.name]) for field in dataclasses.fields(Work)})
+    found = plan(given["vertices"], given["machines"], machine, work)
+    for name, value in rows_of(found, given["machines"], machine):
+        print(f"| {name} | {value} |")
+    if found.memory > machine.memory:
+        print(f"It does not fit: a machine holds {most_vertices(machine, work, 1):,.0f} vertices.")
+
+
+if __name__ == "__main__":
+    main()
