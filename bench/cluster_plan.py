@@ -17,17 +17,19 @@ from dataclasses import dataclass
 class Work:
     """Work of an edit, as measured. Per vertex if not told otherwise; seconds are those of one core."""
     bytes: float = 10121  # of memory, at the peak
-    assemble: float = 8.0e-6  # seconds
-    divide: float = 5.0e-6  # seconds
-    set_up: float = 2.0e-5  # seconds
+    assemble: float = 7.8e-6  # seconds
+    divide: float = 1.5e-5  # seconds
+    set_up: float = 2.1e-5  # seconds
     iterations: float = 30  # of the run, all solves together
-    fine_traffic: float = 8000  # bytes of memory traffic per iteration, on the fine grid
-    cycle_traffic: float = 2000  # bytes of memory traffic per cycle of GAMG and all three columns
-    cycles: float = 7  # of GAMG per iteration and column
-    messages: float = 2000  # per rank and iteration, at measured_ranks
-    message_bytes: float = 1.2e6  # likewise, at measured_part vertices per rank
-    reductions: float = 42  # per iteration
-    measured_ranks: int = 64
+    fine_traffic: float = 7717  # bytes of memory traffic per iteration, on the fine grid
+    cycle_traffic: float = 2328  # bytes of memory traffic per cycle of GAMG on all three columns
+    cycles: float = 16  # of GAMG per iteration and column; not more are done
+    efficiency: float = 0.55  # of the triad's speed that the solve reaches
+    messages: float = 2844  # per rank and iteration, at measured_ranks with measured_cycles
+    message_bytes: float = 1.86e6  # likewise, with measured_part vertices per rank
+    reductions: float = 46.7  # per iteration, with measured_cycles
+    measured_ranks: int = 32
+    measured_cycles: float = 7.6
     measured_part: int = 4096
     file_bytes: float = 50  # of a file of positions in double precision and triangles
 
@@ -66,15 +68,16 @@ def plan(vertices, machines, machine=Machine(), work=Work()):
     # the border of a part.
     levels = math.log2(ranks) / math.log2(work.measured_ranks) if ranks > 1 else 0
     halo = math.sqrt(part / work.measured_part) if ranks > 1 else 0
+    sent = work.iterations * work.cycles / work.measured_cycles
     seconds = {
         "file": 2 * vertices * work.file_bytes / machine.file_bandwidth,
         "assemble": part * work.assemble / machine.core_speed,
         "divide": part * work.divide / machine.core_speed,
         "set-up": part * work.set_up / machine.core_speed,
-        "solve: memory": work.iterations * of_machine * traffic / machine.memory_bandwidth,
-        "solve: latency": work.iterations * machine.latency
+        "solve: memory": work.iterations * of_machine * traffic / (work.efficiency * machine.memory_bandwidth),
+        "solve: latency": sent * machine.latency
                           * (work.messages * levels + work.reductions * math.ceil(math.log2(ranks))),
-        "solve: bytes sent": work.iterations * work.message_bytes * halo * levels * machine.ranks / machine.network_bandwidth,
+        "solve: bytes sent": sent * work.message_bytes * halo * levels * machine.ranks / machine.network_bandwidth,
     }
     return Plan(ranks, part, of_machine * work.bytes, seconds)
 

@@ -10,8 +10,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "bench"))
 from cluster_plan import Machine, Work, cost, most_vertices, plan  # noqa: E402
 
-WORK = Work(bytes=1000, assemble=1e-6, divide=2e-6, set_up=3e-6, iterations=10, fine_traffic=500, cycle_traffic=100, cycles=5,
-            messages=100, message_bytes=1e6, reductions=20, measured_ranks=16, measured_part=2500, file_bytes=50)
+WORK = Work(bytes=1000, assemble=1e-6, divide=2e-6, set_up=3e-6, iterations=10, fine_traffic=500, cycle_traffic=100, cycles=5, efficiency=0.5,
+            messages=100, message_bytes=1e6, reductions=20, measured_ranks=16, measured_cycles=2.5, measured_part=2500, file_bytes=50)
 MACHINE = Machine(ranks=4, memory=1e9, memory_bandwidth=1e10, core_speed=2, latency=1e-6, network_bandwidth=1e9,
                   file_bandwidth=1e9, price=36)
 
@@ -22,9 +22,9 @@ class ClusterPlan(unittest.TestCase):
         self.assertEqual((found.ranks, found.part, found.memory), (16, 100_000, 4e8))
         expected = {
             "file": 2 * 8e7 / 1e9, "assemble": 0.05, "divide": 0.1, "set-up": 0.15,
-            "solve: memory": 10 * 400_000 * 1000 / 1e10,
-            "solve: latency": 10 * 1e-6 * (100 + 20 * 4),
-            "solve: bytes sent": 10 * 1e6 * (100_000 / 2500) ** 0.5 * 4 / 1e9,
+            "solve: memory": 10 * 400_000 * 1000 / 5e9,
+            "solve: latency": 2 * 10 * 1e-6 * (100 + 20 * 4),
+            "solve: bytes sent": 2 * 10 * 1e6 * (100_000 / 2500) ** 0.5 * 4 / 1e9,
         }
         self.assertEqual(set(found.seconds), set(expected))
         for stage, seconds in expected.items():
