@@ -101,11 +101,11 @@ def write_edit(path, mesh, shape, settings):
 
 
 class PeakMemory(threading.Thread):
-    """Samples the largest resident set of each process of the program."""
+    """Samples the largest resident set of each child of a process, the ranks that mpirun starts."""
 
-    def __init__(self, name):
+    def __init__(self, parent):
         super().__init__(daemon=True)
-        self.name_, self.peaks, self.ends = name, {}, False
+        self.parent, self.peaks, self.ends = parent, {}, False
 
     def run(self):
         while not self.ends:
@@ -116,7 +116,7 @@ class PeakMemory(threading.Thread):
                     except OSError:
                         continue
                     found = re.search(r"VmHWM:\s+(\d+)", text)
-                    if found and text.startswith(f"Name:\t{self.name_[:15]}\n"):
+                    if found and f"\nPPid:\t{self.parent}\n" in text:
                         self.peaks[process.name] = int(found[1]) * 1024
             time.sleep(0.2)
 
@@ -173,18 +173,19 @@ def measure(arguments, mesh, edit, ranks):
     environment = os.environ | {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                                 "OMPI_MCA_btl_vader_single_copy_mechanism": "none", "OMP_NUM_THREADS": "1",
                                 "OMPI_MCA_mpi_yield_when_idle": "1"}
-    memory = PeakMemory(Path(arguments.program).name)
-    memory.start()
     before = processor_seconds()
-    done = subprocess.run(["mpirun", "-q", "-n", str(ranks), "--oversubscribe", arguments.program, "deform", str(edit), "-o",
+    with subprocess.Popen(["mpirun", "-q", "-n", str(ranks), "--oversubscribe", arguments.program, "deform", str(edit), "-o",
                            str(output), "--report", str(report), "--petsc",
                            f"-log_view :{log}:ascii_info_detail {arguments.petsc}",
                            "--preconditioner", arguments.preconditioner],
-                          capture_output=True, text=True, env=environment)
+                          stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment) as process:
+        memory = PeakMemory(process.pid)
+        memory.start()
+        _, errors = process.communicate()
     memory.ends = True
     memory.join()
-    if done.returncode != 0:
-        sys.exit(done.stderr)
+    if process.returncode != 0:
+        sys.exit(errors)
     facts = json.loads(report.read_text())
     output.unlink()
     seconds, own = facts["seconds"], facts["distributed"]

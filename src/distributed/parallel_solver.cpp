@@ -226,8 +226,8 @@ void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::str
   if (options.preconditioner == Preconditioner::mumps && of == matrix)
     require(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS));
   if (of == coarse) {
-    // Each aggregate has four functions, whose blocks are inverted together. A rank with few unknowns of a level
-    // costs more messages than it saves work.
+    // Each aggregate has four functions, whose blocks are inverted together. A rank with few unknowns of a
+    // level costs more messages than it saves work.
     constexpr PetscInt unknowns_per_rank = 1000;
     require(PCGAMGSetProcEqLim(preconditioner, unknowns_per_rank));
     set_default_option("-" + options.prefix + prefix + "mg_levels_pc_type", PCPBJACOBI);
