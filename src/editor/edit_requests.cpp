@@ -247,7 +247,10 @@ Json Worker::settings(const json::Value& message, const Context& context) {
 Json Worker::accept(const json::Value& message, const Context& context) {
   const json::Object fields(message, {"id", "do"});
   Json document = open_one().document().json;
-  accept_step(document, open_one().document().edit);
+  if (open_one().steps_set_aside().empty())
+    accept_step(document, open_one().document().edit);
+  else
+    document = with_later_steps(document, *resumed_graft(open_one().document(), open_one().history()));
   open_one().finish(context);
   return change("accept", document, context);
 }

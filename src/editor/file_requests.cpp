@@ -292,7 +292,7 @@ std::filesystem::path Worker::output(const json::Object& fields, std::string_vie
 // Returns the edit for a file in `folder`, with copies of the uploads there.
 EditFile Worker::form_to_save(const fs::path& folder) {
   EditFile edit = saved_form(
-      with_kept_uploads(open_one().document(), {shared_.upload_folder, open_one().kept_folder()}, folder),
+      with_kept_uploads(open_one().whole_document(), {shared_.upload_folder, open_one().kept_folder()}, folder),
       folder);
   edit.made_with = this_library();
   return edit;

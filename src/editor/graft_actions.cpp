@@ -1,6 +1,8 @@
 #include "graft_actions.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "io/file.h"
 #include "script/facts.h"
 #include "script/sha256.h"
+#include "step_actions.h"
 
 namespace meshgraft::editor {
 
@@ -184,14 +187,52 @@ void cancel_graft(Json& document, const EditFile& edit) {
   steps.push_back(empty_step(merge->target));
 }
 
-void resume_graft(Json& document, const EditFile& edit) {
-  const std::size_t count = edit.steps.size();
-  const DeformStep* last = deform_in_work(edit);
-  const bool follows_graft = last != nullptr && !is_ready(*last) && count > 1 &&
-                             std::holds_alternative<MergeStep>(edit.steps[count - 2].action) &&
-                             last->mesh == outcome_of(edit.steps[count - 2]);
-  if (!follows_graft) throw Error(facts::editor::NoGraftToResume{}, "graft");
-  document["steps"].erase(count - 1);
+void resume_graft(Json& document, const EditFile& edit, std::optional<std::size_t> index) {
+  const auto is_graft = [](const EditStep& step) { return std::holds_alternative<MergeStep>(step.action); };
+  if (!index) {
+    const auto last = std::find_if(edit.steps.rbegin(), edit.steps.rend(), is_graft);
+    index = static_cast<std::size_t>(edit.steps.rend() - last) - 1;  // past all steps where there is none
+  }
+  if (merge_in_work(edit) != nullptr || *index >= edit.steps.size() || !is_graft(edit.steps[*index]))
+    throw Error(facts::editor::NoGraftToResume{}, "graft");
+  drop_steps_from(document, *index + 1);
+}
+
+std::vector<Json> ResumedGraft::set_aside() const {
+  const Json& steps = before.json["steps"];
+  std::vector<Json> later(steps.begin() + static_cast<std::ptrdiff_t>(after.edit.steps.size()), steps.end());
+  const DeformStep* last = deform_in_work(before.edit);
+  if (last != nullptr && !is_ready(*last)) later.pop_back();
+  return later;
+}
+
+std::optional<ResumedGraft> resumed_graft(const Document& document, const History& history) {
+  if (merge_in_work(document.edit) == nullptr) return std::nullopt;
+  constexpr std::array other_beginnings{"start_graft", "drop_part", "accept", "cancel_graft", "reset"};
+  for (std::size_t i = history.position(); i > 0; --i) {
+    const std::string& label = history.at(i).label;
+    if (std::ranges::find(other_beginnings, label) != other_beginnings.end()) break;
+    if (label != "resume_graft") continue;
+    const auto state = [&](std::size_t at) {
+      return parse_document(history.at(at).document, document.edit.base_folder);
+    };
+    return ResumedGraft{state(i - 1), state(i)};
+  }
+  return std::nullopt;
+}
+
+Json with_later_steps(const Json& document, const ResumedGraft& resumed) {
+  const auto& [before, after] = resumed;
+  Json whole = document;
+  for (std::size_t i = after.edit.steps.size(); i < before.edit.steps.size(); ++i)
+    whole["steps"].push_back(before.json["steps"][i]);
+  if (before.json.contains("output")) whole["output"] = before.json["output"];
+  const Json none = Json::object();
+  const Json all = before.json.value("selections", none), left = after.json.value("selections", none),
+             now = document.value("selections", none);
+  for (const auto& [name, selection] : all.items())
+    if (!left.contains(name) && !now.contains(name)) whole["selections"][name] = selection;
+  return whole;
 }
 
 std::string part_of_last_change(const History& history) {

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "document.h"
 #include "history.h"
@@ -44,8 +46,23 @@ struct Halves {
 /// half below becomes a part.
 Halves add_halves(Json& document, const EditFile& edit, Json step);
 
-/// Makes the graft that was accepted last the one in work. Throws Error(usage) if other steps follow it.
-void resume_graft(Json& document, const EditFile& edit);
+/// Makes an accepted graft the one in work, by index; without one, the graft that was accepted last. The steps
+/// after it are left out. Throws Error(usage) if there is no such graft, or if one is in work already.
+void resume_graft(Json& document, const EditFile& edit, std::optional<std::size_t> index);
+
+/// The document before a graft was taken up again, and after.
+struct ResumedGraft {
+  Document before, after;
+  /// The steps after the graft, without a last one that does nothing yet. They are set aside until the graft
+  /// is accepted or cancelled.
+  std::vector<Json> set_aside() const;
+};
+/// Returns the graft that was taken up again last and is in work since then; nothing for any other graft.
+std::optional<ResumedGraft> resumed_graft(const Document& document, const History& history);
+
+/// Returns a document whose last step is a resumed graft with the later steps behind it again, and the named
+/// selections that left with them.
+Json with_later_steps(const Json& document, const ResumedGraft& resumed);
 
 /// Starts a graft, or changes the one in work. `fields` are those of a merge step; null removes a field, and
 /// only the named values of `settings` change. Throws Error(input) where the part is ambiguous or is the

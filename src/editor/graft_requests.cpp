@@ -181,9 +181,21 @@ Json Worker::with_graft(Json given) {
   return document;
 }
 
+// Returns the document after Cancel: as it was before its graft was taken up again, or else without the graft
+// and the part that was added for it.
+Json Worker::without_graft() {
+  const Document& current = open_one().document();
+  if (const auto resumed = resumed_graft(current, open_one().history())) return resumed->before.json;
+  Json document = current.json;
+  cancel_graft(document, current.edit);
+  const std::string part = part_of_drop(open_one().history());
+  if (part == merge_in_work(current.edit)->source) remove_part(document, current.edit, part);
+  return document;
+}
+
 Json Worker::graft(const json::Value& message, const Context& context) {
   enum class What { set, cancel, resume, swap };
-  const json::Object fields(message, graft_fields_and({"id", "do", "what", "with_part"}));
+  const json::Object fields(message, graft_fields_and({"id", "do", "what", "with_part", "step"}));
   What what = What::set;
   fields.optional("what", [&](const json::Value& v) {
     what = v.choice<What>(
@@ -191,7 +203,8 @@ Json Worker::graft(const json::Value& message, const Context& context) {
   });
   const EditFile& edit = open_one().document().edit;
   const Json given = graft_fields_of(fields);
-  if (what != What::set && (!given.empty() || fields.has("with_part")))
+  if ((what != What::set && (!given.empty() || fields.has("with_part"))) ||
+      (what != What::resume && fields.has("step")))
     message.fail(facts::editor::FieldsWithoutUse{});
   const bool starts = merge_in_work(edit) == nullptr;
   bool with_part = false;
@@ -199,13 +212,17 @@ Json Worker::graft(const json::Value& message, const Context& context) {
   const History& history = open_one().history();
   Json document = open_one().document().json;
   if (what == What::set) document = with_graft(given);
-  if (what == What::cancel) {
-    cancel_graft(document, edit);
-    const std::string part = part_of_drop(history);
-    if (part == merge_in_work(edit)->source) remove_part(document, edit, part);
+  if (what == What::cancel) document = without_graft();
+  if (what == What::resume) {
+    std::optional<std::size_t> step;
+    fields.optional("step", [&](const json::Value& v) { step = static_cast<std::size_t>(v.vertex()); });
+    resume_graft(document, edit, step);
   }
-  if (what == What::resume) resume_graft(document, edit);
-  if (what == What::swap) swap_graft(document, edit);
+  if (what == What::swap) {
+    if (const std::size_t count = open_one().steps_set_aside().size(); count > 0)
+      throw Error(facts::editor::StepsSetAside{.count = count}, "swap");
+    swap_graft(document, edit);
+  }
   const bool is_drop =
       starts && with_part && document["steps"].back()["source"] == part_of_last_change(history);
   if (is_drop)

@@ -107,18 +107,22 @@ void remove_step(Json& document, std::size_t index) {
   document["steps"].erase(index);
 }
 
-void leave_out_steps(Json& document, std::size_t first, const std::string& mesh) {
+void drop_steps_from(Json& document, std::size_t first) {
   Json& steps = document["steps"];
   std::set<std::string> gone;
   for (std::size_t i = first; i < steps.size(); ++i)
     if (steps[i].contains("name")) gone.insert(steps[i]["name"]);
   steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(first), steps.end());
-  steps.push_back(empty_step(mesh));
   document.erase("output");
   if (!document.contains("selections")) return;
   Json& selections = document["selections"];
   for (auto one = selections.begin(); one != selections.end();)
     one = is_produced_by(*one, gone) ? selections.erase(one) : std::next(one);
+}
+
+void leave_out_steps(Json& document, std::size_t first, const std::string& mesh) {
+  drop_steps_from(document, first);
+  document["steps"].push_back(empty_step(mesh));
 }
 
 void rename_step(Json& document, std::size_t index, const std::string& name) {

@@ -22,8 +22,9 @@ void change_step(Json& document, std::size_t index, const StepChange& change);
 void set_start(Json& document, std::size_t index, std::size_t pair, const Match& start);
 /// Removes a step. Throws Error(usage) for the only step.
 void remove_step(Json& document, std::size_t index);
-/// Removes the steps from `first` on, the named selections that come from them, and the name of the output. A
-/// step of `mesh` that does nothing takes their place.
+/// Removes the steps from `first` on, the named selections that come from them, and the name of the output.
+void drop_steps_from(Json& document, std::size_t first);
+/// Does the same. A step of `mesh` that does nothing takes their place.
 void leave_out_steps(Json& document, std::size_t first, const std::string& mesh);
 /// Renames a step and all references to what it produced; an empty name removes the name.
 void rename_step(Json& document, std::size_t index, const std::string& name);

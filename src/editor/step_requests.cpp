@@ -70,7 +70,12 @@ Json Worker::step(const json::Value& message, const Context& context) {
                   open_one().twisted_start(index, pair, twist.required("by_deg").number(), context));
       });
       return change("change_step", document, context);
-    case What::remove: remove_step(document, index); return change("remove_step", document, context);
+    case What::remove:
+      if (const std::size_t count = open_one().steps_set_aside().size();
+          count > 0 && index + 1 == document["steps"].size())
+        throw Error(facts::editor::StepsSetAside{.count = count}, "index");
+      remove_step(document, index);
+      return change("remove_step", document, context);
     case What::rename: break;
   }
   rename_step(document, index, fields.required("name").string());
@@ -92,7 +97,8 @@ Json Worker::sculpt(const json::Value& message, const Context& context) {
   const std::size_t index = add_mesh_step(document, edit, std::move(step));
   Json result = change("sculpt", document, context);
   result["notes"] = open_one().stage().found.at(index)["notes"];
-  if (moved_nothing(open_one().stage(), index, base->diagonal)) result["notes"].emplace_back(to_json(Note(facts::editor::NothingMoved{})));
+  if (moved_nothing(open_one().stage(), index, base->diagonal))
+    result["notes"].emplace_back(to_json(Note(facts::editor::NothingMoved{})));
   return result;
 }
 

@@ -70,6 +70,7 @@ class Worker {
   std::filesystem::path mesh_file(const json::Object& fields);
   Json graft_fields_of(const json::Object& fields);
   Json with_graft(Json given);
+  Json without_graft();
   Json shown_graft();  ///< number of the shown graft, and the placement of a dropped source
   Json change(const std::string& label, const Json& document, const Context& context,
               Json result = Json::object());

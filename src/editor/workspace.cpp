@@ -58,6 +58,12 @@ Json step_summary(const Json& step, const Json& found) {
   return summary;
 }
 
+Json set_aside_summary(const std::vector<Json>& steps) {
+  Json summary = Json::array();
+  for (const Json& step : steps) summary.push_back(step_summary(step, nullptr));
+  return summary;
+}
+
 // Returns the symmetry in the form of the request `symmetry`, with the handles' twins.
 Json symmetry_summary(const Json& step, const LiveView& view) {
   if (!step.contains("symmetry")) return nullptr;
@@ -508,6 +514,17 @@ std::vector<FileNote> Workspace::notes_on_inputs(const std::string& name, const 
   return notes;
 }
 
+Document Workspace::whole_document() const {
+  const auto resumed = resumed_graft(document_, history_);
+  if (!resumed || resumed->set_aside().empty()) return document_;
+  return make_document(with_later_steps(document_.json, *resumed), document_.edit.base_folder);
+}
+
+std::vector<Json> Workspace::steps_set_aside() const {
+  const auto resumed = resumed_graft(document_, history_);
+  return resumed ? resumed->set_aside() : std::vector<Json>();
+}
+
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();
   Json graft = nullptr;
@@ -531,7 +548,9 @@ Json Workspace::summary() const {
     parts.back()["grafted"] = is_grafted(document_.edit, part->name);
   }
   if (merge_in_work(document_.edit) != nullptr)
-    graft = {{"graft", graft_number_}, {"step", document_.json["steps"].back()}};
+    graft = {{"graft", graft_number_},
+             {"step", document_.json["steps"].back()},
+             {"set_aside", set_aside_summary(steps_set_aside())}};
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
           {"up", up_axis_of(stage_.model->mesh()) == UpAxis::y ? "y" : "z"},

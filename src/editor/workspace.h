@@ -86,6 +86,11 @@ class Workspace {
   std::filesystem::path kept_folder() const;
 
   const Document& document() const { return document_; }
+  /// Returns the document with the steps that are set aside while a graft is edited again. Throws what
+  /// `make_document` throws.
+  Document whole_document() const;
+  /// Returns the steps that are set aside.
+  std::vector<Json> steps_set_aside() const;
   const History& history() const { return history_; }
   LiveView& view() { return view_; }
   const LiveView& view() const { return view_; }

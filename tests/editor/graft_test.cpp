@@ -527,6 +527,96 @@ TEST_F(GraftEditor, EarlierCutsAndGraftsChangeAndTheLaterStepsFollow) {
             Json());
 }
 
+/// The first step is a graft; the second cuts its result, and the third shapes it.
+class GraftWithLaterSteps : public GraftEditor {
+ protected:
+  void SetUp() override {
+    GraftEditor::SetUp();
+    open_bust_and_head();
+    EXPECT_FALSE(graft({{"source", "head"}}).contains("error"));
+    page_.ask({{"do", "accept"}});
+    page_.ask({{"do", "cut"}, {"plane", {{"point", {0.3, 0, 0}}, {"normal", {1, 0, 0}}}}, {"keep", "below"}});
+    page_.ask(
+        {{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.01}, {"select", {{"indices", {0, 1, 2}}}}});
+    accepted_ = state();
+  }
+
+  static std::vector<std::string> kinds(const Json& steps) {
+    std::vector<std::string> list;
+    for (const Json& step : steps) list.push_back(step["kind"]);
+    return list;
+  }
+
+  Json resume() { return page_.ask({{"do", "graft"}, {"what", "resume"}, {"step", 0}}); }
+
+  Json accepted_;
+};
+
+TEST_F(GraftWithLaterSteps, SetsThemAsideWhileTheGraftIsEditedAgain) {
+  resume();
+  const Json resumed = state();
+  EXPECT_EQ(kinds(resumed["steps"]), std::vector<std::string>{"merge"});
+  EXPECT_EQ(kinds(resumed["graft"]["set_aside"]), (std::vector<std::string>{"cut", "sculpt"}));
+  const Json event = graft({{"normal_angle_deg", 12}});
+  EXPECT_FALSE(event.contains("error")) << event;
+  EXPECT_EQ(state()["graft"]["set_aside"], resumed["graft"]["set_aside"]);
+  page_.ask({{"do", "accept"}});
+  const Json now = state();
+  EXPECT_EQ(kinds(now["steps"]), kinds(accepted_["steps"]));
+  EXPECT_EQ(now["graft"], Json());
+  EXPECT_EQ(now["steps"][0]["fields"]["normal_angle_deg"], 12);
+  EXPECT_EQ(now["steps"][1]["fields"], accepted_["steps"][1]["fields"]);
+  page_.ask({{"do", "undo"}});
+  EXPECT_EQ(state()["graft"]["set_aside"], resumed["graft"]["set_aside"]);
+}
+
+TEST_F(GraftWithLaterSteps, CancelBringsAllBack) {
+  resume();
+  graft({{"normal_angle_deg", 12}});
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  const Json now = state();
+  EXPECT_EQ(now["steps"], accepted_["steps"]);
+  EXPECT_EQ(now["undo"], "cancel_graft");
+  EXPECT_EQ(now["model"]["vertices"], accepted_["model"]["vertices"]);
+}
+
+TEST_F(GraftWithLaterSteps, AcceptIsRefusedWhereALaterStepNoLongerApplies) {
+  double highest = -1e9;
+  page_.vertices([&](double, double, double z) {
+    highest = std::max(highest, z);
+    return false;
+  });
+  page_.ask({{"do", "step"},
+             {"what", "change"},
+             {"index", 1},
+             {"fields", {{"plane", {{"point", {0, 0, highest - 0.02}}, {"normal", {0, 0, 1}}}}}}});
+  accepted_ = state();
+  resume();
+  const Json event = graft({{"size", 0.05}});
+  const Json before = state();
+  const Json refused = page_.refusal({{"do", "accept"}});
+  EXPECT_EQ(refused["step"], 1) << refused << event;
+  EXPECT_EQ(state(), before) << "the graft is still edited";
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  EXPECT_EQ(state()["steps"], accepted_["steps"]);
+}
+
+TEST_F(GraftWithLaterSteps, AreSavedWhileTheyAreSetAside) {
+  resume();
+  saved("aside.json");
+  Page other(editor_.url());
+  other.ask({{"do", "open"}, {"path", "aside.json"}});
+  EXPECT_EQ(kinds(other.ask({{"do", "state"}})["steps"]), (std::vector<std::string>{"merge", "cut", "sculpt"}));
+}
+
+TEST_F(GraftWithLaterSteps, KeepTheGraftTheyWorkOn) {
+  EXPECT_EQ(page_.refusal({{"do", "graft"}, {"what", "resume"}, {"step", 1}})["id"],
+            "editor.no_graft_to_resume");
+  resume();
+  EXPECT_EQ(page_.refusal({{"do", "graft"}, {"what", "swap"}})["id"], "editor.steps_set_aside");
+  EXPECT_EQ(page_.refusal({{"do", "step"}, {"what", "remove"}, {"index", 0}})["id"], "editor.steps_set_aside");
+}
+
 TEST(TwistedStart, TurnsAlongTheTargetsLoop) {
   const Mesh source = make_sample("cylinder", 20), target = make_sample("cylinder", 20);
   const std::vector<Index> from = boundary_loops(source)[0], to = boundary_loops(target)[1];

@@ -1,4 +1,5 @@
 import { mirrorLatestGraft } from "./graft/mirror_latest";
+import { laterStepWords } from "./graft/set_aside";
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
@@ -192,7 +193,8 @@ export class Editor {
       return answer;
     }
     const isToldAlready = answer.code === "cancelled" || this.link.value === "lost";
-    if (!isToldAlready) this.tell("problem", toldOf(answer), { of: request.do, offer: this.offerFor(answer, request) });
+    const told = laterStepWords(answer, this.state.value) ?? toldOf(answer);
+    if (!isToldAlready) this.tell("problem", told, { of: request.do, offer: this.offerFor(answer, request) });
     return undefined;
   }
 

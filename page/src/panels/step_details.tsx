@@ -145,18 +145,17 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
   );
 }
 
-/** Takes up an accepted graft again, while nothing follows it: pairs, matches, placement and fixed areas are in its panel. */
+/** Takes up an accepted graft again: pairs, matches, placement and fixed areas are in its panel. */
 function EditAgain({ page, index }: Pick<DetailsProps, "page" | "index">) {
   const { editor } = page;
-  const steps = editor.state.value?.steps ?? [];
-  const isLast = index === steps.length - 2 && steps.at(-1)?.kind === "deform" && steps.at(-1)?.handles === 0;
-  if (!isLast) return <p class="hint">To change pairs, placement or fixed areas, undo or remove the later steps first.</p>;
+  if (editor.state.value?.graft !== null)
+    return <p class="hint">To change pairs, placement or fixed areas, accept or cancel the other graft first.</p>;
   return (
     <Button
       label="Edit pairs and placement…"
       icon="connected"
-      tip="Takes up the graft again, with its pairs, rotations, placement and fixed areas."
-      onClick={() => void editor.ask({ do: "graft", what: "resume" })}
+      tip="Takes up the graft again, with its pairs, rotations, placement and fixed areas. Later steps are set aside meanwhile."
+      onClick={() => void editor.ask({ do: "graft", what: "resume", step: index })}
     />
   );
 }

@@ -1,7 +1,7 @@
 import { Fragment } from "preact";
 import { useState } from "preact/hooks";
 import type { Page } from "../app/page";
-import { stepWords } from "../app/step_words";
+import { stepTitle } from "../app/step_words";
 import { counted } from "../app/units";
 import { CommandLabelButton } from "./command_button";
 import { RepairDetails } from "./repair_details";
@@ -13,13 +13,13 @@ import { Icon, type IconName } from "./ui/icon";
 import { Menu } from "./ui/menu";
 import { Section } from "./ui/section";
 
-const kinds: Record<Step["kind"], { name: string; icon: IconName }> = {
-  deform: { name: "Deform", icon: "handle" },
-  merge: { name: "Graft", icon: "connected" },
-  cut: { name: "Cut", icon: "minus" },
-  repair: { name: "Mend", icon: "mend" },
-  sculpt: { name: "Shape", icon: "brush" },
-  transform: { name: "Size and place", icon: "measure" },
+const icons: Record<Step["kind"], IconName> = {
+  deform: "handle",
+  merge: "connected",
+  cut: "minus",
+  repair: "mend",
+  sculpt: "brush",
+  transform: "measure",
 };
 
 /**
@@ -29,12 +29,13 @@ const kinds: Record<Step["kind"], { name: string; icon: IconName }> = {
 export function StepsPanel({ page }: { page: Page }) {
   const state = page.editor.state.value;
   const steps = state?.steps ?? [];
+  const setAside = state?.graft?.set_aside ?? [];
   const [open, setOpen] = useState<number | null>(null);
   return (
     <Section
       title="Steps"
       hint="The steps applied to the model, in order. Click an earlier one to change it; the later ones are recomputed."
-      badge={steps.length}
+      badge={steps.length + setAside.length}
     >
       {steps.length === 0 && <p class="hint">Paint a handle, or graft a part, to begin the first step.</p>}
       <ol class="list steps" aria-label="Steps">
@@ -54,6 +55,17 @@ export function StepsPanel({ page }: { page: Page }) {
               </li>
             )}
           </Fragment>
+        ))}
+        {setAside.map((step, i) => (
+          <li key={`aside ${i}`} class="set-aside">
+            <span class="list-main">
+              <span class="swatch">
+                <Icon name={icons[step.kind]} size={16} />
+              </span>
+              <span class="list-name">{stepTitle(step, steps.length + i, false)}</span>
+              <small>set aside</small>
+            </span>
+          </li>
         ))}
       </ol>
       <CommandLabelButton page={page} id="accept" icon="accept" />
@@ -77,12 +89,12 @@ interface RowProps {
 function StepRow({ page, step, index, inWork, open, onOpen }: RowProps) {
   const { editor } = page;
   const [renames, setRenames] = useState(false);
-  const title = step.name ?? `${index + 1}. ${stepWords(kinds[step.kind].name, step, editor.state.value?.parts.length === 0)}`;
+  const title = stepTitle(step, index, editor.state.value?.parts.length === 0);
   const handles = step.kind === "deform" ? counted(step.handles, "handle") : "";
   const main = (
     <>
       <span class="swatch">
-        <Icon name={kinds[step.kind].icon} size={16} />
+        <Icon name={icons[step.kind]} size={16} />
       </span>
       <span class="list-name">{title}</span>
       <small>{[handles, inWork ? "editing" : ""].filter((part) => part !== "").join(", ")}</small>

@@ -68,7 +68,7 @@ describe("mending", () => {
     expect([told.length, marking.marked.value]).toEqual([1, null]);
   });
   test("waits for a graft to end", () => {
-    const state = { ...stateOf([turned], []), graft: { graft: 1, step: {} } };
+    const state = { ...stateOf([turned], []), graft: { graft: 1, step: {}, set_aside: [] } };
     expect(mendingOf(state).mending.canMend.value).toBe(false);
   });
   test("tells what was changed", () => {

@@ -4,6 +4,7 @@ import { cssColour, pairColour } from "../../app/graft/graft_colours";
 import { asTyped, counted } from "../../app/units";
 import type { GraftFields, GraftStep } from "../../app/graft/graft_step";
 import { withoutMatch, withoutPair } from "../../app/graft/graft_step";
+import { setAsideWords } from "../../app/graft/set_aside";
 import { pairingWords } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
 import { PartLibrary } from "./graft_library";
@@ -59,6 +60,7 @@ function GraftPanel({ page }: { page: Page }) {
   const step = graft.step.value;
   if (step === undefined) return null;
   const keep = (fields: GraftFields) => void graft.set(fields);
+  const setAside = page.editor.state.value?.graft?.set_aside.length ?? 0;
   return (
     <Section
       title="Graft"
@@ -88,10 +90,12 @@ function GraftPanel({ page }: { page: Page }) {
           label="Swap part and model"
           icon="reset"
           tip="Grafts the model onto the part instead."
+          disabled={setAside > 0}
           onClick={() => void page.editor.ask({ do: "graft", what: "swap" })}
         />
       </More>
       <GraftReportView page={page} />
+      {setAside > 0 && <p class="hint">{setAsideWords(setAside)}</p>}
       <div class="graft-end">
         <Button
           label="Accept"
@@ -105,7 +109,7 @@ function GraftPanel({ page }: { page: Page }) {
         <Button
           label="Cancel"
           kind="quiet"
-          tip="Discards the graft. The part stays, unless it was dropped onto the surface."
+          tip="Discards the graft. The part stays, unless it was dropped onto the surface. A graft that you edit again goes back to what it was."
           onClick={() => void graft.cancel()}
         />
       </div>
