@@ -24,6 +24,7 @@
 #include "outputs.h"
 #include "picture.h"
 #include "script/fact_json.h"
+#include "script/pin_field.h"
 #include "script/report_json.h"
 #include "script/vector_json.h"
 #include "values.h"
@@ -103,9 +104,8 @@ CutOptions options_of(const CutArguments& arguments) {
 
 // Returns where an error of the cut is on the command line: at an option of the pins, or else at the cut.
 Location option_at(const Location& location, const CutArguments& arguments) {
-  const std::string name = location.text();
-  if (!name.starts_with("pin_")) return Location(arguments.by()) / location;
-  return Location::field("--pin-" + name.substr(std::string_view("pin_").size()));
+  const auto field = pin_field(location);
+  return field ? Location::field("--pin-" + *field) : Location(arguments.by()) / location;
 }
 
 CutResult cut(const SoundMesh& usable, const CutAlong& along, const CutArguments& arguments,

@@ -244,7 +244,7 @@ void run_edit_file(const EditRunArguments& arguments, Context context) {
   if (arguments.json)
     fmt::print("{}", write_report(result.report, text_of));
   else
-    print_summary(result.report, result.rest);
+    print_summary(edit, result.report, result.rest);
 }
 
 }  // namespace meshgraft::cli

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -142,10 +143,25 @@ std::vector<Index> source_loops(const MergeStep& step) {
   return loops.empty() ? std::vector<Index>{0} : loops;
 }
 
+// Throws Error(input) where two values of `--pair` name the same loop.
+void require_loops_once(const std::vector<std::string>& pairs) {
+  std::map<std::pair<std::string, Index>, std::string> owner;
+  for (const std::string& text : pairs) {
+    const auto [target, source] = index_pair(text, "--pair");
+    for (const auto& [side, loop] : {std::pair<std::string, Index>{"target", target}, {"source", source}}) {
+      const auto [before, is_new] = owner.emplace(std::pair{side, loop}, text);
+      if (!is_new)
+        throw Error(facts::cli::LoopInTwoPairs{.side = side, .loop = loop, .other = before->second},
+                    Location::field("--pair " + text));
+    }
+  }
+}
+
 MergeStep plain_step(const MergeArguments& arguments) {
   MergeStep step;
   step.target = "target";
   step.source = "source";
+  require_loops_once(arguments.pairs);
   for (const std::string& text : arguments.pairs) {
     const auto [target, source] = index_pair(text, "--pair");
     step.pairs.push_back({{Selection::Loop{source}}, {Selection::Loop{target}}, {}});
@@ -354,7 +370,7 @@ void run_merge(const MergeArguments& arguments, Context context) {
   if (arguments.json)
     fmt::print("{}", write_report(result.report, text_of));
   else
-    print_summary(result.report, result.rest);
+    print_summary(edit, result.report, result.rest);
 }
 
 void add_loop_options(CLI::App& command, MergeArguments& arguments) {

@@ -1,7 +1,9 @@
 #include "summary.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <variant>
 
 #include <fmt/format.h>
 #include <Eigen/LU>
@@ -13,13 +15,28 @@ namespace meshgraft::cli {
 
 namespace {
 
-void print_deform(const StepReport& step, const std::string& name) {
+// Returns whether a handle holds its vertices where they are.
+bool is_still(const HandleSpec& handle) {
+  const auto* motion = std::get_if<HandleMotion>(&handle.pose.kind);
+  if (motion != nullptr)
+    return motion->translate.isZero(0) && motion->angle_deg == 0 && motion->scale == Eigen::Vector3d::Ones();
+  const auto* matrix = std::get_if<Eigen::Matrix4d>(&handle.pose.kind);
+  return matrix != nullptr && *matrix == Eigen::Matrix4d::Identity();
+}
+
+bool holds_nothing(const EditStep& asked, const StepReport& step) {
+  if (step.counts.fixed > 0 || step.counts.free + step.counts.handle < step.counts.vertices) return false;
+  const auto* deform = std::get_if<DeformStep>(&asked.action);
+  return deform != nullptr && std::ranges::none_of(deform->handles, is_still);
+}
+
+void print_deform(const EditStep& asked, const StepReport& step, const std::string& name) {
   fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
              name, step.counts.free, step.counts.handle, step.counts.fixed, step.max_displacement);
   if (step.refined_vertices > 0)
     fmt::print("  {}edges near handles were halved for the solve, which had {} more vertices\n", name,
                step.refined_vertices);
-  if (step.counts.fixed == 0 && step.counts.free + step.counts.handle == step.counts.vertices)
+  if (holds_nothing(asked, step))
     fmt::print("  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
                name);
 }
@@ -108,10 +125,11 @@ void print_quality(const EditReport& report, const Points& rest) {
 
 }  // namespace
 
-void print_summary(const EditReport& report, const Points& rest) {
+void print_summary(const EditFile& edit, const EditReport& report, const Points& rest) {
   for (const EditReport::Input& input : report.inputs)
     fmt::print("{}: {} vertices, {} faces\n", input.source, input.vertices, input.faces);
-  for (const StepReport& step : report.steps) {
+  for (std::size_t i = 0; i < report.steps.size(); ++i) {
+    const StepReport& step = report.steps[i];
     const std::string name = step.name.empty() ? "" : step.name + ": ";
     if (step.merge)
       print_merge(step, name);
@@ -124,7 +142,7 @@ void print_summary(const EditReport& report, const Points& rest) {
     else if (step.transform)
       print_transform(step, name);
     else
-      print_deform(step, name);
+      print_deform(edit.steps[i], step, name);
     for (const Note& note : step.notes) fmt::print("  {}note: {}\n", name, sentence(note));
   }
   for (const Note& note : report.notes) fmt::print("  note: {}\n", sentence(note));

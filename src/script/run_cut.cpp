@@ -9,6 +9,7 @@
 
 #include "core/stopwatch.h"
 #include "mesh/sound_mesh.h"
+#include "pin_field.h"
 #include "run_steps.h"
 
 namespace meshgraft {
@@ -23,10 +24,8 @@ CutResult cut(const Mesh& mesh, const CutStep& step, const Context& context) {
 
 // Returns where an error of the cut is in its step, whose `pins` are options of the cut.
 Location location_in_step(const Location& location) {
-  const std::string name = location.text();
-  constexpr std::string_view prefix = "pin_";
-  if (!name.starts_with(prefix)) return location;
-  return Location("pins") / Location::field(name.substr(prefix.size()));
+  const auto field = pin_field(location);
+  return field ? Location("pins") / Location::field(*field) : location;
 }
 
 std::vector<Index> vertices_beside(const CutResult& result, int side) {

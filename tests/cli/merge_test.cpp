@@ -39,6 +39,10 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"merge sheet.obj sheet.obj -o o.ply --at 1 --pair 0:0", 2, "--at goes without --pair"},
       {"merge sheet.obj sheet.obj -o o.ply --align 1:2", 2, "--align is given 1 time"},
       {"merge sheet.obj sheet.obj -o o.ply --pair 3:0", 3, "error: --pair 3:0: "},
+      {"merge sheet.obj sheet.obj -o o.ply --pair 0:1 --pair 0:2", 3,
+       "error: --pair 0:2: the target's loop 0 belongs to --pair 0:1 already. Use each loop once."},
+      {"merge sheet.obj sheet.obj -o o.ply --pair 0:1 --pair 2:1", 3,
+       "error: --pair 2:1: the source's loop 1 belongs to --pair 0:1 already. Use each loop once."},
       {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --match 9:1", 3,
        "error: --match 9:1: vertex 9 is not on"},
       {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --align 0:0 --align 1:1 --align 999:2", 3,
@@ -109,6 +113,23 @@ TEST_F(CommandLine, AMergedObjDefinesTheMaterialsOfBoth) {
   ASSERT_EQ(run(merge + "a/body.obj --force").status, 0);
   EXPECT_EQ(read_text(folder_ / "a/body.mtl"), "newmtl skin\nKd 1 0 0\nmap_Kd tex.png\n");
   EXPECT_NE(read_text(folder_ / "a/body.obj").find("mtllib body_2.mtl"), std::string::npos);
+}
+
+TEST_F(CommandLine, TexturesInTheCurrentFolderAreNamedFromTheOutputsFolder) {
+  for (const auto& [name, texture, z] : {std::tuple{"red", "r.png", 0}, {"green", "g.png", 1}}) {
+    const std::string file = name;
+    write(file + ".obj", tube(z, z == 0, (file + ".mtl").c_str()));
+    write(file + ".mtl", std::string("newmtl skin\nmap_Kd ") + texture + "\n");
+    write(texture, "a picture");
+  }
+  std::filesystem::create_directory(folder_ / "d");
+  for (const auto& [output, from] : {std::pair<std::string, std::string>{"d/q", "../"}, {"q", ""}}) {
+    const Outcome outcome = run("merge red.obj green.obj --start 0:0 -o " + output + ".obj");
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::string library = read_text(folder_ / (output + ".mtl"));
+    for (const std::string texture : {"r.png", "g.png"})
+      EXPECT_NE(library.find("map_Kd " + from + texture + "\n"), std::string::npos) << library;
+  }
 }
 
 TEST_F(CommandLine, MergesAsPublishedAndSavesAnEditThatDoes) {

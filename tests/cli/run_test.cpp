@@ -231,6 +231,27 @@ TEST_F(CommandLine, TheSummarySaysThatAMirroringHandleIsFollowedLinearly) {
   EXPECT_EQ(run("deform edit.json -o o.ply").out.find("note:"), std::string::npos);
 }
 
+TEST_F(CommandLine, TheSummarySaysWhereNothingIsHeldInPlace) {
+  const auto edit_with = [](const std::string& pose_of_rest) {
+    return R"({"format": "meshgraft-edit", "version": 2, "inputs": {"sheet": {"file": "sheet.obj"}},
+      "steps": [{"kind": "deform", "mesh": "sheet", "handles": [
+        {"name": "edge", "select": {"half_space": {"point": [0, 5.5, 0], "normal": [0, 1, 0]}},
+         "pose": {"translate": [0, 0, 2]}},
+        {"name": "rest", "select": {"half_space": {"point": [0, 1.5, 0], "normal": [0, -1, 0]}},
+         "pose": )" +
+           pose_of_rest + "}]}]}";
+  };
+  const auto says_so = [&](const std::string& pose_of_rest) {
+    write("two.json", edit_with(pose_of_rest));
+    const Outcome outcome = run("deform two.json -o o.ply");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out.find("nothing is held in place") != std::string::npos;
+  };
+  EXPECT_TRUE(says_so(R"({"translate": [0, 1, 0]})"));
+  EXPECT_FALSE(says_so("{}")) << "a handle at rest holds the region";
+  EXPECT_FALSE(says_so(R"({"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]})"));
+}
+
 TEST_F(CommandLine, TheSameBytesWithOneThreadAndWithTwo) {
   ASSERT_EQ(run("deform edit.json -o a.ply --threads 1").status, 0);
   ASSERT_EQ(run("deform edit.json -o b.ply --threads 2").status, 0);

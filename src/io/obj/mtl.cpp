@@ -84,9 +84,12 @@ std::string texture_from(const std::filesystem::path& folder, const std::filesys
   const bool has_drive = unix_like.size() > 1 && unix_like[1] == ':';
   if (unix_like.starts_with('/') || has_drive) return std::string(texture);
   namespace fs = std::filesystem;
-  const auto whole = [](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path)); };
-  const fs::path file = (whole(library_folder / "") / unix_like).lexically_normal();
-  const fs::path relative = file.lexically_relative(whole(folder / ""));
+  // An empty path is the current folder.
+  const auto whole = [](const fs::path& of) {
+    return fs::weakly_canonical(fs::absolute(of.empty() ? "." : of) / "");
+  };
+  const fs::path file = (whole(library_folder) / unix_like).lexically_normal();
+  const fs::path relative = file.lexically_relative(whole(folder));
   return relative.empty() ? file.generic_string() : relative.generic_string();
 }
 
