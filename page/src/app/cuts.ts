@@ -1,5 +1,7 @@
 // Cuts of a mesh: along what, how they are closed, and what is kept.
-import type { PageRequest, Plane } from "../protocol";
+import type { DocumentState, PageRequest, Plane } from "../protocol";
+
+type Step = DocumentState["steps"][number];
 
 export type CutRequest = Extract<PageRequest, { do: "cut" }>;
 /** What a cut keeps: one side, or both as two objects. */
@@ -52,4 +54,19 @@ export function keptFields(side: Side): Pick<CutRequest, "keep" | "halves"> {
 export function otherSide(cut: CutRequest): CutRequest | undefined {
   if (cut.keep !== "above" && cut.keep !== "below") return undefined;
   return { ...cut, keep: cut.keep === "above" ? "below" : "above" };
+}
+
+const fieldsOfBothHalves = ["mesh", "plane", "loop", "snap", "cap", "pins"];
+
+/** Returns whether a step is one of the two cuts that divide an object, which keep a side each. */
+export function isHalf(steps: readonly Pick<Step, "kind" | "fields">[], index: number): boolean {
+  const step = steps[index];
+  return step !== undefined && [steps[index - 1], steps[index + 1]].some((other) => other !== undefined && areHalves(step, other));
+}
+
+function areHalves(one: Pick<Step, "kind" | "fields">, other: Pick<Step, "kind" | "fields">): boolean {
+  const [a, b] = [one.fields, other.fields] as Record<string, unknown>[];
+  if (one.kind !== "cut" || other.kind !== "cut" || a === undefined || b === undefined) return false;
+  const isAlike = (field: string) => JSON.stringify(a[field]) === JSON.stringify(b[field]);
+  return [a["keep"], b["keep"]].sort().join() === "above,below" && fieldsOfBothHalves.every(isAlike);
 }

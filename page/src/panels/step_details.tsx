@@ -3,7 +3,7 @@ import { applicable, choiceOf, methodOf, methods, numberOf, type Settings } from
 import { commandOf, type Page } from "../app/page";
 import { readStep, type GraftFields } from "../app/graft/graft_step";
 import { latestGraft } from "../app/graft/mirror_latest";
-import { closingFields, closingOf, type Pins } from "../app/cuts";
+import { closingFields, closingOf, isHalf, type Pins } from "../app/cuts";
 import { formatNumber } from "../app/units";
 import type { DocumentState, Plane, Pose, Vector } from "../protocol";
 import { CommandLabelButton } from "./command_button";
@@ -195,6 +195,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
   const change = (changes: { plane?: Plane; keep?: Keep; snap?: number; cap?: "flat" | null; pins?: Pins | null }) =>
     void page.editor.ask({ do: "step", what: "change", index, fields: changes });
   const { plane } = fields;
+  const divides = isHalf(page.editor.state.value?.steps ?? [], index);
   const unit = page.editor.view.unit.value;
   return (
     <div class="step-details">
@@ -204,7 +205,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
         choices={[
           { value: "above", label: plane === undefined ? "Inside" : "Above", help: aboveHelp(plane) },
           { value: "below", label: plane === undefined ? "Outside" : "Below" },
-          { value: "both", label: "Both", help: "Splits the mesh and keeps both sides." },
+          ...(divides ? [] : [{ value: "both", label: "Both", help: "Splits the mesh and keeps both sides." } as const]),
         ]}
         onChange={(keep) => change({ keep })}
       />
