@@ -89,7 +89,7 @@ test("a part at a loop gets a mirrored copy at the loop on the other side, or sa
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft != null);
   const report = await grafted(user);
   expect(report?.error).toBeUndefined();
-  expectMirrored(report?.transform ?? [], first ?? [], 2, middle, 0.25); // less than 6° of the head: the vertices of the other end lie elsewhere
+  expectMirrored(report?.transform ?? [], first ?? [], 2, middle, 0.65); // 15° of the head: the vertices of the other end lie elsewhere
   await user.rests();
   await user.screenshot("graft-mirrored-loop");
   await accept(user);

@@ -54,26 +54,4 @@ describe("the mirror image of a graft", () => {
     ]);
     expect(mirroredGraft({ ...graft, loops: loops.slice(0, 1) }, plane)).toBeUndefined();
   });
-
-  it("begins where the mirror image of a vertex of the part is nearest to one of the other loop", () => {
-    const ring = (x: number, count: number, turn_deg: number) =>
-      Array.from({ length: count }, (_, i) => {
-        const angle = (2 * Math.PI * i) / count + (turn_deg * Math.PI) / 180;
-        return [x, Math.cos(angle), Math.sin(angle)] as [number, number, number];
-      });
-    const positions = [...ring(3, 8, 0), ...ring(-1, 8, 20), ...ring(3.1, 7, 10)]; // the target, its other loop, the part
-    const numbers = (first: number, count: number) => Uint32Array.from({ length: count }, (_, i) => first + i);
-    const graft = {
-      fields: { source: "arm", pairs: [{ source_loop: { loop: 0 }, target_loop: { loop: 0 } }] },
-      starts: [[0, 0]] as [number, number][],
-      loops: [numbers(8, 8)],
-      positionOf: (v: number) => positions[v] as [number, number, number],
-      partLoops: [numbers(16, 7)],
-      partBegins: 16,
-    };
-    const [source, target] = mirroredGraft(graft, plane)?.pairs?.[0]?.start as [number, number];
-    const angleOf = (v: number) => Math.atan2(positions[v]![2], positions[v]![1]);
-    const off = Math.abs(angleOf(16 + source) - angleOf(target));
-    expect((off * 180) / Math.PI).toBeLessThan(360 / 7 / 8 / 2); // half the least step between rings of 7 and 8
-  });
 });

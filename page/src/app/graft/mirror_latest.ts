@@ -1,10 +1,9 @@
-import { Vector3 } from "three";
 import type { DocumentState } from "../../protocol";
 import type { Viewport } from "../../view/viewport";
 import type { Editor } from "../editor";
 import { planeAcross, type Plane } from "../mirror_plane";
 import type { GraftFields } from "./graft_step";
-import { mirroredGraft, type GraftToMirror } from "./mirrored_graft";
+import { mirroredGraft } from "./mirrored_graft";
 
 type Step = DocumentState["steps"][number];
 
@@ -34,9 +33,7 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
   await graft.needLoops();
   const loops = (graft.loops.value.get(surface.id) ?? []).map(({ vertices }) => vertices);
   const positionOf = (vertex: number) => surface.positionOf(vertex).toArray();
-  const starts = step.found?.starts ?? [];
-  const part = partIn(editor, fields.source ?? "", { starts, positionOf });
-  const mirrored = mirroredGraft({ fields, starts, loops, positionOf, ...part }, plane);
+  const mirrored = mirroredGraft({ fields, starts: step.found?.starts ?? [], loops, positionOf }, plane);
   if (mirrored === undefined)
     return editor.note(
       "the model has no open loop where the mirrored copy would be",
@@ -45,28 +42,6 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
     );
   graft.arrangement.value = "result";
   await graft.set(mirrored);
-}
-
-/**
- * Returns the loops of a grafted part in the model, whose last vertices are the part's; undefined if the graft has added or
- * removed vertices, so that the starts of the part and of the target do not lie beside one another.
- */
-function partIn(
-  { state, graft }: Editor,
-  name: string,
-  { starts, positionOf }: Pick<GraftToMirror, "starts" | "positionOf">,
-): Pick<GraftToMirror, "partLoops" | "partBegins"> | undefined {
-  const part = graft.byName(name);
-  const partBegins = (state.value?.model.vertices ?? 0) - (part?.vertices ?? 0);
-  const partLoops = (graft.loops.value.get(part?.mesh ?? -1) ?? []).map(({ vertices }) => vertices.map((v) => v + partBegins));
-  const place = (v: number) => new Vector3(...positionOf(v));
-  const lies = ([source, target]: readonly [number, number]) => {
-    const loop = partLoops.find((vertices) => vertices.includes(partBegins + source));
-    if (loop === undefined || partBegins <= target) return false;
-    const edges = Array.from(loop, (v, i) => place(v).distanceTo(place(loop[(i + 1) % loop.length] ?? v)));
-    return place(partBegins + source).distanceTo(place(target)) < 2 * Math.max(...edges);
-  };
-  return starts.every(lies) ? { partLoops, partBegins } : undefined;
 }
 
 /** The plane of symmetry, or else that between left and right through the middle of the model before the graft. */

@@ -1,5 +1,5 @@
 // The mirror image of a graft, as the fields of a new graft. No state, no screen.
-import { Line3, Matrix4, Vector3 } from "three";
+import { Matrix4, Vector3 } from "three";
 import type { EditSelection, Match, Vector } from "../../protocol";
 import type { Plane } from "../mirror_plane";
 import type { GraftFields, Rows4, Vector3Tuple } from "./graft_step";
@@ -14,10 +14,6 @@ export interface GraftToMirror {
   readonly loops: readonly Uint32Array[];
   /** Returns the position of a vertex of the model. The target's vertices keep their numbers in it. */
   positionOf(vertex: number): Vector3Tuple;
-  /** The open loops of the part, as numbers of its vertices in the model; without them, starts alone are mirrored. */
-  readonly partLoops?: readonly Uint32Array[];
-  /** The number of the part's first vertex in the model. */
-  readonly partBegins?: number;
 }
 
 /** Returns the fields of the mirror image of a graft; undefined if the model has no loop where it would be. */
@@ -107,43 +103,12 @@ function mirroredPair(
   const vertices = graft.loops[loop] ?? new Uint32Array();
   const mirrored = (target: Match[1]) =>
     nearest(graft, vertices, typeof target === "number" ? across(target) : new Vector3(...target).applyMatrix4(reflect));
-  const closest = pair.matches === undefined ? closestStart(graft, start[0], vertices, across) : undefined;
   return {
     source_loop: pair.source_loop,
     target_loop: { loop } as EditSelection,
-    start: closest ?? [start[0], mirrored(start[1])],
+    start: [start[0], mirrored(start[1])],
     ...(pair.matches !== undefined && { matches: pair.matches.map(([source, target]): Match => [source, mirrored(target)]) }),
   };
-}
-
-// Returns the vertex of the part's loop whose mirror image on another loop is nearest to a vertex, with that vertex: what
-// is left between the two turns the copy.
-function closestStart(
-  graft: GraftToMirror,
-  first: number,
-  vertices: Uint32Array,
-  across: (vertex: number) => Vector3,
-): Match | undefined {
-  const { partLoops = [], partBegins = 0 } = graft;
-  const loop = partLoops.find((loop) => loop.includes(partBegins + first)) ?? new Uint32Array();
-  let best: Match | undefined;
-  let least = Infinity;
-  for (const vertex of loop) {
-    const place = onLoop(graft, vertices, across(vertex));
-    const target = nearest(graft, vertices, place);
-    const off = new Vector3(...graft.positionOf(target)).distanceTo(place);
-    if (off >= least) continue;
-    least = off;
-    best = [vertex - partBegins, target];
-  }
-  return best;
-}
-
-/** Returns the point of a loop's edges that is nearest to a point. */
-function onLoop({ positionOf }: GraftToMirror, loop: Uint32Array, point: Vector3): Vector3 {
-  const at = (i: number) => new Vector3(...positionOf(loop[i % loop.length] ?? 0));
-  const places = Array.from(loop, (_, i) => new Line3(at(i), at(i + 1)).closestPointToPoint(point, true, new Vector3()));
-  return places.reduce((a, b) => (b.distanceTo(point) < a.distanceTo(point) ? b : a), places[0] ?? point);
 }
 
 /** Returns the loop that passes a point, within a tenth of the loop's length. */
