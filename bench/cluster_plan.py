@@ -98,16 +98,39 @@ def rows_of(found, machines, machine):
             ("minutes", f"{found.total / 60:,.1f}"), ("cost", f"{cost(found, machines, machine):,.2f}")]
 
 
+def number(least, kind=float):
+    """Returns a parser of finite numbers: above `least`, or from it on if they are whole."""
+    def parse(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value) or value < least or (kind is float and value == least):
+            wanted = f"a whole number from {least} on" if kind is int else f"a number above {least}"
+            raise argparse.ArgumentTypeError(f"'{text}' is not {wanted}")
+        return value
+    return parse
+
+
+UNITS = {"bytes": "bytes", "assemble": "seconds", "divide": "seconds", "set_up": "seconds", "fine_traffic": "bytes",
+         "cycle_traffic": "bytes", "message_bytes": "bytes", "measured_part": "vertices", "file_bytes": "bytes",
+         "memory": "GB", "memory_bandwidth": "GB/s", "network_bandwidth": "GB/s", "file_bandwidth": "GB/s",
+         "latency": "microseconds", "price": "per hour"}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("vertices", type=float)
-    parser.add_argument("machines", type=int)
+    parser.add_argument("vertices", type=number(0))
+    parser.add_argument("machines", type=number(1, int))
     units = {"memory": 1e9, "memory_bandwidth": 1e9, "network_bandwidth": 1e9, "file_bandwidth": 1e9, "latency": 1e-6}
     for kind in (Machine, Work):
         for field in dataclasses.fields(kind):
             unit = units.get(field.name, 1) if kind is Machine else 1
-            parser.add_argument("--" + ("work-" if kind is Work else "") + field.name.replace("_", "-"), type=float,
-                                default=field.default / unit, help=f"({field.default / unit:g})")
+            least = 2 if field.name == "measured_ranks" else 1
+            parser.add_argument("--" + ("work-" if kind is Work else "") + field.name.replace("_", "-"),
+                                type=number(least, int) if field.type is int else number(0),
+                                default=field.default / unit if unit != 1 else field.default,
+                                help=f"{UNITS.get(field.name, '')} ({field.default / unit:g})".strip())
     given = vars(parser.parse_args())
     machine = Machine(**{field.name: field.type(given[field.name] * units.get(field.name, 1))
                          for field in dataclasses.fields(Machine)})
@@ -116,7 +139,9 @@ def main():
     for name, value in rows_of(found, given["machines"], machine):
         print(f"| {name} | {value} |")
     if found.memory > machine.memory:
-        print(f"It does not fit: a machine holds {most_vertices(machine, work, 1):,.0f} vertices.")
+        most = most_vertices(machine, work, 1)
+        print(f"It does not fit: a machine holds {most:,.0f} vertices, so that {math.ceil(given['vertices'] / most):,} "
+              "machines would do.")
 
 
 if __name__ == "__main__":

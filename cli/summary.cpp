@@ -27,7 +27,8 @@ bool is_still(const HandleSpec& handle) {
 bool holds_nothing(const EditStep& asked, const StepReport& step) {
   if (step.counts.fixed > 0 || step.counts.free + step.counts.handle < step.counts.vertices) return false;
   const auto* deform = std::get_if<DeformStep>(&asked.action);
-  return deform != nullptr && std::ranges::none_of(deform->handles, is_still);
+  return deform != nullptr && deform->anchors.empty() && deform->targets.empty() &&
+         std::ranges::none_of(deform->handles, is_still);
 }
 
 void print_deform(const EditStep& asked, const StepReport& step, const std::string& name) {

@@ -31,6 +31,13 @@ class ClusterPlan(unittest.TestCase):
             self.assertAlmostEqual(found.seconds[stage], seconds, msg=stage)
         self.assertAlmostEqual(cost(found, 4, MACHINE), sum(expected.values()) * 4 / 100)
 
+    def test_refuses_numbers_that_make_no_sense(self):
+        for arguments in (["1e8", "0"], ["nan", "4"], ["-5", "4"], ["1e8", "4", "--ranks", "2.5"], ["1e8", "4", "--price", "-3"],
+                          ["1e8", "4", "--work-measured-ranks", "1"]):
+            refused = subprocess.run([sys.executable, ROOT / "bench" / "cluster_plan.py", *arguments], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2, arguments)
+            self.assertIn("is not a", refused.stderr)
+
     def test_one_rank_sends_nothing(self):
         found = plan(1000, 1, dataclasses.replace(MACHINE, ranks=1), WORK)
         self.assertEqual(found.seconds["solve: latency"], 0)

@@ -15,7 +15,7 @@ constexpr std::size_t most_changes = 5;
 /// Returns the bound of the weights' norm. It leaves room to damp steps that swing. Iterates extrapolate
 /// farther only where residuals fall: elsewhere, those of two nearly equal problems would soon differ.
 double most_weight(double residual, double last_residual) {
-  return std::max(1.0, 0.3 * std::pow(last_residual / residual, 6));
+  return std::max(1.0, std::pow(last_residual / residual, 6));
 }
 
 /// Returns γ that makes ‖f − Σ γ_k Δf_k‖ small, from the products of the Δf and those with f. The changes of
