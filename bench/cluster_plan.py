@@ -112,27 +112,32 @@ def number(least, kind=float):
     return parse
 
 
-UNITS = {"bytes": "bytes", "assemble": "seconds", "divide": "seconds", "set_up": "seconds", "fine_traffic": "bytes",
-         "cycle_traffic": "bytes", "message_bytes": "bytes", "measured_part": "vertices", "file_bytes": "bytes",
-         "memory": "GB", "memory_bandwidth": "GB/s", "network_bandwidth": "GB/s", "file_bandwidth": "GB/s",
-         "latency": "microseconds", "price": "per hour"}
+# Names of the options' units, and their sizes in those of the fields.
+UNITS = {"memory": ("GB", 1e9), "memory_bandwidth": ("GB/s", 1e9), "network_bandwidth": ("GB/s", 1e9),
+         "file_bandwidth": ("GB/s", 1e9), "latency": ("microseconds", 1e-6), "price": ("per hour", 1),
+         "bytes": ("bytes", 1), "assemble": ("seconds", 1), "divide": ("seconds", 1), "set_up": ("seconds", 1),
+         "fine_traffic": ("bytes", 1), "cycle_traffic": ("bytes", 1), "message_bytes": ("bytes", 1),
+         "measured_part": ("vertices", 1), "file_bytes": ("bytes", 1)}
+
+
+def unit_of(field):
+    return UNITS.get(field.name, ("", 1))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("vertices", type=number(0))
     parser.add_argument("machines", type=number(1, int))
-    units = {"memory": 1e9, "memory_bandwidth": 1e9, "network_bandwidth": 1e9, "file_bandwidth": 1e9, "latency": 1e-6}
     for kind in (Machine, Work):
         for field in dataclasses.fields(kind):
-            unit = units.get(field.name, 1) if kind is Machine else 1
+            name, unit = unit_of(field)
             least = 2 if field.name == "measured_ranks" else 1
             parser.add_argument("--" + ("work-" if kind is Work else "") + field.name.replace("_", "-"),
                                 type=number(least, int) if field.type is int else number(0),
                                 default=field.default / unit if unit != 1 else field.default,
-                                help=f"{UNITS.get(field.name, '')} ({field.default / unit:g})".strip())
+                                help=f"{name} ({field.default / unit:g})".strip())
     given = vars(parser.parse_args())
-    machine = Machine(**{field.name: field.type(given[field.name] * units.get(field.name, 1))
+    machine = Machine(**{field.name: field.type(given[field.name] * unit_of(field)[1])
                          for field in dataclasses.fields(Machine)})
     work = Work(**{field.name: field.type(given["work_" + field.name]) for field in dataclasses.fields(Work)})
     found = plan(given["vertices"], given["machines"], machine, work)

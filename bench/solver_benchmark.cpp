@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -23,6 +24,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/io/mesh_io.h>
@@ -288,6 +290,20 @@ int run(int argc, char** argv) {
   return 0;
 }
 
+/// Runs the benchmarks of one mesh alone.
+int run_mesh(const std::string& file, int argc, char** argv) {
+  BenchEdit edit;
+  try {
+    edit = make_bend_edit(read_mesh(file));
+  } catch (const Error& error) {
+    std::fprintf(stderr, "meshgraft_bench: %s\n", error.what());
+    return 2;
+  }
+  register_mesh(std::filesystem::path(file).stem().string(), static_cast<Index>(edit.positions.rows()),
+                [&]() -> const BenchEdit& { return edit; });
+  return run(argc, argv);
+}
+
 }  // namespace
 }  // namespace meshgraft::bench
 
@@ -300,13 +316,7 @@ int main(int argc, char** argv) {
   most.iterative = meshgraft::bench::take_number("--iterative_max_vertices=", most.iterative, argc, argv);
   const std::string file = meshgraft::bench::take_text("--mesh=", argc, argv);
   meshgraft::bench::register_machine();
-  if (!file.empty()) {
-    const auto edit = meshgraft::bench::make_bend_edit(meshgraft::read_mesh(file));
-    meshgraft::bench::register_mesh(std::filesystem::path(file).stem().string(),
-                                    static_cast<meshgraft::Index>(edit.positions.rows()),
-                                    [&]() -> const meshgraft::bench::BenchEdit& { return edit; });
-    return meshgraft::bench::run(argc, argv);
-  }
+  if (!file.empty()) return meshgraft::bench::run_mesh(file, argc, argv);
   meshgraft::bench::register_samples();
   meshgraft::bench::register_deformer(edits, most);
   meshgraft::bench::register_corotational(edits);

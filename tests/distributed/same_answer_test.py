@@ -183,23 +183,23 @@ class SameAnswer(Scene):
         self.assertLess(largest_difference(normals(alone), normals(together)), 1e-7)
         self.assertNotEqual(normals(together), mesh.normals)
 
-    def test_other_preconditioners(self):
+    def turned_disc(self):
+        """Writes an edit of a small sheet: one side is held, and a disc is turned."""
         mesh = Mesh()
         mesh.add_sheet(40, 40)
         mesh.write(self.mesh)
-        edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
+        return write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
                           handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+
+    def test_other_preconditioners(self):
+        edit = self.turned_disc()
         expected = self.alone(edit)[3]
         for name in ("gamg", "hypre", "mumps"):
             found = self.together(edit, 2, "--preconditioner", name)[3]
             self.assertLess(largest_difference(expected, found), 1e-8, name)
 
     def test_options_of_petsc(self):
-        mesh = Mesh()
-        mesh.add_sheet(40, 40)
-        mesh.write(self.mesh)
-        edit = write_edit(self.folder / "edit.json", self.mesh, fixed={"half_space": {"point": [0.1, 0, 0], "normal": [-1, 0, 0]}},
-                          handles=[{"name": "disc", "select": DISC, "pose": TURNED}])
+        edit = self.turned_disc()
 
         def output_of(*options):
             done = run_ranks(2, edit, "-o", self.folder / "out.ply", *options)
