@@ -26,6 +26,27 @@ std::int64_t count_pairs(const Mesh& mesh, std::span<const Index> vertices, cons
 
 constexpr int most_size_tries = 3;
 
+/// Returns the scale of a grafted source, × the size that it was to have.
+double relative_scale(const MergeResult& merge, double size) {
+  return merge.report.shape.similarity.scale / size;
+}
+
+/// Returns whether a graft turned inside out, or shrank, so that one whose boundary bends less may be better.
+/// With `MergeShape::similar` no source shrinks.
+bool bends_too_much(const MergeResult& merge, double size) {
+  constexpr double small = 0.7;  // chosen: half as far from 1 as what merge_notes.cpp calls shrunk
+  return merge.report.shape.inverted > 0 || relative_scale(merge, size) < small;
+}
+
+/// Returns whether a graft turned inside out less than another, or as much and is larger.
+bool is_better(const MergeResult& merge, const MergeResult& other) {
+  const auto inverted = [](const MergeResult& graft) { return graft.report.shape.inverted; };
+  constexpr double larger = 1.1;  // chosen: smaller gains are not worth bending less
+  return inverted(merge) < inverted(other) ||
+         (inverted(merge) == inverted(other) &&
+          merge.report.shape.similarity.scale > larger * other.report.shape.similarity.scale);
+}
+
 /// One attempt at one size.
 struct Trial {
   OpenedHoles hole;
@@ -50,11 +71,11 @@ Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& as
   drop.merge = merge_meshes(trial.hole.target, source, pairs, drop.options, context);
   if (asked.normal_angle_deg == 0)
     for (const double angle_deg : {-45.0, -90.0}) {
-      if (trial.inverted() == 0) break;
+      if (!bends_too_much(drop.merge, trial.hole.size)) break;
       MergeOptions options = drop.options;
       options.normal_angle_deg = angle_deg;
       MergeResult other = merge_meshes(trial.hole.target, source, pairs, options, context);
-      if (other.report.shape.inverted >= trial.inverted()) continue;
+      if (!is_better(other, drop.merge)) continue;
       drop.merge = std::move(other);
       drop.options = options;
     }

@@ -1,5 +1,6 @@
 #include "merge_notes.h"
 
+#include <algorithm>
 #include <string>
 
 #include <fmt/format.h>
@@ -23,6 +24,17 @@ constexpr double folded_deg = 60;
 constexpr double far_off = 4;
 // Chosen: below 0.35, the width of the worst graft that is accepted (docs/merging.md, "Worst spots").
 constexpr double pinched = 0.3;
+
+// Chosen: a source of half its size is not what was asked for.
+constexpr double shrunk = 0.5;
+
+/// Returns the source's scale relative to the given size, or to the least that one of its loops asks for.
+/// Returns 1 for a source whose pose is kept.
+double relative_scale(const MergeReport& report, const MergeOptions& options) {
+  if (options.pose == MergePose::keep || report.pairs.empty()) return 1;
+  const double of_loops = std::ranges::min(report.pairs, {}, &PairReport::size_ratio).size_ratio;
+  return report.shape.similarity.scale / options.size.value_or(of_loops);
+}
 
 /// Names the settings that differ from those of the first graft.
 std::string settings_of(const MergeReport& report) {
@@ -82,6 +94,8 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
       notes.push_back(facts::merge::LoopsDiffer{
           .pair = p, .difference_percent = 100 * misfit, .bend_deg = report.seam.dihedral_p99_deg});
   }
+  if (const double scale = relative_scale(report, options); scale < shrunk)
+    notes.push_back(facts::merge::SourceShrunk{.percent = 100 * scale});
   if (report.shape.smallest_singular_p5 < pinched)
     notes.push_back(facts::merge::SourceSqueezed{.width_percent = 100 * report.shape.smallest_singular_p5});
   add_faults(report, notes);

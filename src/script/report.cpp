@@ -107,6 +107,7 @@ Json pair_json(const PairReport& pair) {
           {"starts", starts_json(pair.starts)},
           {"raggedness_deg", pair.raggedness_deg},
           {"misfit_rel", pair.misfit_rel},
+          {"size_ratio", pair.size_ratio},
           {"edge_ratio", pair.edge_ratio}};
 }
 

@@ -53,6 +53,9 @@ std::vector<NotedBound> noted_bounds() {
   const auto width = [](double value) {
     return [value](MergeReport& report) { report.shape.smallest_singular_p5 = value; };
   };
+  const auto scale = [](double value) {
+    return [value](MergeReport& report) { report.shape.similarity.scale = value; };
+  };
   const auto manifold = [](bool value) {
     return [value](MergeReport& report) { report.seam.manifold = value; };
   };
@@ -70,6 +73,8 @@ std::vector<NotedBound> noted_bounds() {
           {"merge.loops_differ", differing(0.3, 60), differing(0.3, 60.001), kept},
           {"merge.source_stretched", differing(4, 0), differing(4.001, 0), kept},
           {"merge.source_squeezed", width(0.3), width(0.299)},
+          {"merge.source_shrunk", scale(0.5), scale(0.499)},
+          {"merge.source_shrunk", scale(1.5), scale(1.499), {.size = 3}},
           {"merge.result_not_manifold", manifold(true), manifold(false)},
           {"merge.features_blended", blended(false), blended(true)},
           {"merge.source_inverted", inverted(0), inverted(1)}};
@@ -94,8 +99,10 @@ TEST(MergeNotes, EachAppearsAloneWhereItsBoundIsExceeded) {
 TEST(MergeNotes, DoNotSuppressEachOther) {
   for (const NotedBound& first : noted_bounds())
     for (const NotedBound& second : noted_bounds()) {
-      if (first.id >= second.id || first.id == "merge.loops_differ" || second.id == "merge.loops_differ")
-        continue;
+      const auto is_of_found_poses = [](const NotedBound& bound) {
+        return bound.id == "merge.loops_differ" || bound.id == "merge.source_shrunk";
+      };
+      if (first.id >= second.id || is_of_found_poses(first) || is_of_found_poses(second)) continue;
       MergeReport report = clean_report(3);
       first.exceeds(report);
       second.exceeds(report);
@@ -125,6 +132,18 @@ TEST(MergeNotes, NameTheirPairAndItsValues) {
     EXPECT_EQ(notes[2].get<double>("difference_percent"), 50);
     EXPECT_EQ(notes[2].get<double>("bend_deg"), 80);
   }
+}
+
+TEST(MergeNotes, TakeTheLeastLoopForTheSourcesSize) {
+  MergeReport report = clean_report(3);
+  report.pairs[0].size_ratio = 8;
+  report.pairs[1].size_ratio = 4;
+  report.pairs[2].size_ratio = 5;
+  report.shape.similarity.scale = 1;
+  const std::vector<Note> notes = merge_notes(report, {});
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].get<double>("percent"), 25);
+  EXPECT_EQ(note_ids(report, {.pose = MergePose::keep}), Ids());
 }
 
 TEST(MergeNotes, AppearForEachPair) {

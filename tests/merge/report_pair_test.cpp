@@ -117,6 +117,9 @@ TEST(ReportPair, IsTheSameAtAnyPoseAndScale) {
       const PairReport report = report_pair(moved, given.correspondence, none_added);
       EXPECT_NEAR(report.raggedness_deg, expected.raggedness_deg, 1e-6) << given.name;
       EXPECT_EQ(report.edge_ratio, expected.edge_ratio);
+      const double factor =
+          std::cbrt(maps[(k + 1) % maps.size()].linear().determinant() / maps[k].linear().determinant());
+      EXPECT_NEAR(report.size_ratio, factor * expected.size_ratio, 1e-9 * report.size_ratio) << given.name;
       EXPECT_EQ(report.start.target, expected.start.target);
       EXPECT_EQ(report.met, expected.met);
     }

@@ -49,6 +49,31 @@ class MergeScenarios : public testing::TestWithParam<Scenario> {
   }
 };
 
+/// Checks that a source ends with about the size that its loops ask for, and nearly with its shape.
+void expect_size_and_shape(const MergeReport& report, double largest_distance_rel) {
+  double asked = 1;
+  for (const PairReport& pair : report.pairs)
+    asked *= std::pow(pair.size_ratio, 1 / static_cast<double>(report.pairs.size()));
+  EXPECT_GT(report.shape.similarity.scale, 0.7 * asked);
+  EXPECT_LT(report.shape.similarity.scale, 1.3 * asked);
+  EXPECT_LT(report.shape.distance_rel, largest_distance_rel);
+}
+
+class ExampleGrafts : public testing::TestWithParam<Scenario> {};
+
+TEST_P(ExampleGrafts, OfOneSolveHaveTheSizeOfTheirLoops) {
+  RunOptions by_ft05 = plain, as_published = plain;
+  by_ft05.overrides.shape = MergeShape::ft05;
+  as_published.overrides.preset = Preset::as_published;
+  for (const RunOptions& options : {by_ft05, as_published})
+    visit_steps(read_scenario(GetParam(), as_they_are), options, [&](const StepRun& run) {
+      if (run.report.merge) expect_size_and_shape(run.report.merge->report, 0.025);
+    });
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples, ExampleGrafts, testing::ValuesIn(examples(StepKind::merge)),
+                         name_of_scenario);
+
 class LoopMergeScenarios : public MergeScenarios {
  protected:
   /// Calls `visit` with the call that each merge step makes.

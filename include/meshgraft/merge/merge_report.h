@@ -74,6 +74,9 @@ struct PairReport {
   /// these locations. It is measured with the source posed as well as the boundary allows (or kept). 0 for
   /// loops of one shape.
   double misfit_rel = 0;
+  /// Size of the target's loop, × the source's: the ratio of the RMS distances of the locations on it and of
+  /// the source's loop vertices from their means.
+  double size_ratio = 1;
   double edge_ratio = 1;  ///< mean edge length of the target's loop / that of the source's, as matched
   /// Vertices of the source's loop, in its order, without those that refinement added; k of them.
   std::vector<Index> met;

@@ -298,7 +298,7 @@ struct EditStep {
 
 /// Number of the methods. It is raised when the same edit file gives other results than before, other than
 /// by rounding.
-inline constexpr int current_methods = 6;
+inline constexpr int current_methods = 7;
 
 /// The program that an edit file was written by.
 struct MadeWith {

@@ -246,7 +246,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
 
   ...baseWords,
   "merge.bent_less": ({ normal_angle_deg }) => ({
-    problem: `the part's boundary turned inside out where it bends into the surface, so it bends less: a tilt of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
+    problem: `the part turned inside out or shrank where its boundary bends into the surface, so it bends less: a tilt of ${formatNumber(normal_angle_deg, 4, 0)}° was used`,
   }),
   "merge.boundary_ragged": ({ pair, turn_deg }) => ({
     problem: `a loop of pair ${pair + 1} is ragged (it turns by ${formatNumber(turn_deg, 4, 0)}° per vertex too much)`,
@@ -400,6 +400,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.source_scaled": ({ size }) => ({ problem: `the part is scaled by ${formatNumber(size, 3)}` }),
   "merge.source_scaled_to_graft": ({ size }) => ({
     problem: `the part is scaled by ${formatNumber(size, 3)}: larger, it turns inside out or cuts into the model`,
+  }),
+  "merge.source_shrunk": ({ percent }) => ({
+    problem: `the part ends with ${formatNumber(percent, 2, 0)} % of the size that its loops ask for`,
+    remedy: "A tilt of -45° bends its boundary less. A size of your choice may help, too.",
   }),
   "merge.source_squeezed": ({ width_percent }) => ({
     problem: `the part is squeezed to ${formatNumber(width_percent, 4, 0)} % of its width near the seam; a size of your choice or a finer part may help`,
