@@ -20,14 +20,19 @@ namespace {
 
 /// Returns the numbers of further grafts for all vertices of both meshes and a number of pairs.
 MostTries most_tries(Index vertices, std::size_t pairs) {
-  // Chosen: 30 further grafts and 30 combinations for one pair, and 12 for several. Meshes of 500,000
-  // vertices and more get four, so that a merge takes at most five times as long.
+  // Chosen: 30 of each kind for one pair, and 12 for several. Meshes of 500,000 vertices and more get four, so
+  // that a merge takes at most five times as long.
   constexpr int fewest = 4;
   constexpr Index vertices_of_all_tries = 2'000'000;
-  const int one_by_one = pairs == 1 ? 30 : 12, combined = pairs == 1 ? 30 : 0;
-  const int all =
-      std::clamp(vertices_of_all_tries / std::max<Index>(1, vertices), fewest, one_by_one + combined);
-  return {std::min(all, one_by_one), std::max(0, all - one_by_one)};
+  const MostTries most = pairs == 1 ? MostTries{30, 30, 30} : MostTries{12, 0, 0};
+  int left = std::clamp(vertices_of_all_tries / std::max<Index>(1, vertices), fewest, most.sum());
+  const auto take = [&left](int tries) {
+    const int taken = std::min(left, tries);
+    left -= taken;
+    return taken;
+  };
+  const int one_by_one = take(most.one_by_one), combined = take(most.combined);
+  return {one_by_one, combined, left};
 }
 
 /// Returns how many of the first starts are as good as the first, because none is probable.
@@ -62,6 +67,20 @@ Variation combination(const OpenSettings& open, int number) {
   if (open.normal_angle) variation.normal_angle_deg = between(3, -largest_angle_deg, largest_angle_deg);
   if (open.size) variation.size_ratio = std::exp(between(5, std::log(smallest_size), std::log(largest_size)));
   if (open.start_shift) variation.start_shift = between(7, -largest_shift, largest_shift);
+  return variation;
+}
+
+/// Returns a combination of values near those of a variation, for the numbers 1, 2, … as above.
+Variation beside(const Variation& best, const OpenSettings& open, int number) {
+  // Chosen: about half the steps between the values that are tried one by one.
+  constexpr double largest_angle_deg = 15, largest_size = 1.15, largest_shift = 0.04;
+  const auto between = [number](int base, double bound) {
+    return bound * (2 * van_der_corput(number, base) - 1);
+  };
+  Variation variation = best;
+  if (open.normal_angle) variation.normal_angle_deg += between(3, largest_angle_deg);
+  if (open.size) variation.size_ratio *= std::exp(between(5, std::log(largest_size)));
+  if (open.start_shift) variation.start_shift += between(7, largest_shift);
   return variation;
 }
 
@@ -120,6 +139,8 @@ FoundVariation find_variation(const OpenSettings& open, double first, const Most
   }
   last_try = found.tries + most.combined;
   for (int number = 1; number <= most.combined; ++number) attempt(combination(open, number));
+  last_try = found.tries + most.beside;
+  for (int number = 1; number <= most.beside; ++number) attempt(beside(found.best, open, number));
   return found;
 }
 
@@ -156,7 +177,7 @@ RetryReport retry_graft(const MatchedMeshes& matched, std::span<const MergePair>
   int number = 0;
   const auto faults_of = [&](const Variation& variation) {
     try {
-      return graft_again(variation, context.within("retry", ++number, most.one_by_one + most.combined));
+      return graft_again(variation, context.within("retry", ++number, most.sum()));
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled) throw;
       return impossible;

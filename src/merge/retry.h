@@ -35,15 +35,17 @@ struct FoundVariation {
   int tries = 0;
 };
 
-/// Largest numbers of tries: with one setting changed at a time, and with all of them changed at once.
+/// Largest numbers of tries: with one setting changed at a time, with all of them changed at once, and with all
+/// of them changed a little.
 struct MostTries {
-  int one_by_one = 0, combined = 0;
+  int one_by_one = 0, combined = 0, beside = 0;
+  int sum() const { return one_by_one + combined + beside; }
 };
 
 /// Changes one setting after another, and keeps each change that has fewer faults than the best graft so far,
-/// until one has none or no change helps. Then tries combinations of values of all open settings until one has
-/// no faults. `first` is the number of faults without a change; `faults_of` returns those with a variation,
-/// infinity where it is not possible.
+/// until one has none or no change helps. Then tries combinations of values of all open settings, and others
+/// beside the best one, until one has no faults. `first` is the number of faults without a change; `faults_of`
+/// returns those with a variation, infinity where it is not possible.
 FoundVariation find_variation(const OpenSettings& open, double first, const MostTries& most,
                               const std::function<double(const Variation&)>& faults_of);
 

@@ -55,10 +55,11 @@ TEST(FindVariation, ReachesWhatHasNoFaults) {
 
 TEST(FindVariation, TriesNothingTwiceAndNoMoreThanItMay) {
   const Variation unreachable{.doublings = 3, .normal_angle_deg = 13, .size_ratio = 1.1, .start = 2};
-  for (const MostTries most : {MostTries{0, 0}, {1, 0}, {7, 5}, {0, 9}, {1000, 100}}) {
+  for (const MostTries most :
+       {MostTries{0, 0, 0}, {1, 0, 0}, {7, 5, 3}, {0, 9, 0}, {0, 0, 9}, {1000, 100, 100}}) {
     Trials trials{unreachable, {}};
     const FoundVariation found = trials.find(all_open, most);
-    EXPECT_LE(found.tries, most.one_by_one + most.combined);
+    EXPECT_LE(found.tries, most.sum());
     EXPECT_EQ(std::set(trials.tried.begin(), trials.tried.end()).size(), trials.tried.size());
     EXPECT_LE(found.faults, (Trials{unreachable, {}}.faults({})));
   }
@@ -71,6 +72,19 @@ TEST(FindVariation, CombinesSettingsWhereNoSingleOneHelps) {
   };
   EXPECT_EQ(find_variation(all_open, 5, {1000, 0}, faults).faults, 5);
   const FoundVariation found = find_variation(all_open, 5, {1000, 60}, faults);
+  EXPECT_EQ(found.faults, 0);
+  EXPECT_EQ(faults(found.best), 0);
+}
+
+// The steps of single settings pass over what has no faults.
+TEST(FindVariation, LooksBesideTheBest) {
+  const auto faults = [](const Variation& v) {
+    const double angle = std::abs(v.normal_angle_deg - 47), shift = std::abs(v.start_shift - 0.055);
+    return angle < 5 && shift < 0.01 ? 0.0 : 1 + angle / 10 + 20 * shift;
+  };
+  const OpenSettings open{.normal_angle = true, .size = true, .start_shift = true};
+  EXPECT_GT(find_variation(open, 9, {1000, 0, 0}, faults).faults, 0);
+  const FoundVariation found = find_variation(open, 9, {1000, 0, 30}, faults);
   EXPECT_EQ(found.faults, 0);
   EXPECT_EQ(faults(found.best), 0);
 }
@@ -94,7 +108,7 @@ TEST(FindVariation, ChangesWhatIsOpenAlone) {
       .doublings = 2, .normal_angle_deg = 20, .size_ratio = 0.8, .start = 1, .start_shift = 0.04};
   const auto differing = [&](const OpenSettings& open, auto changed) {
     Trials trials{good, {}};
-    trials.find(open, {1000, 20});
+    trials.find(open, {1000, 20, 20});
     for (const Variation& v : trials.tried) EXPECT_TRUE(changed(v));
     return trials.tried.size();
   };
@@ -114,7 +128,7 @@ TEST(FindVariation, ChangesWhatIsOpenAlone) {
 
 TEST(FindVariation, SkipsWhatIsImpossible) {
   const FoundVariation found = find_variation(
-      all_open, 5, {1000, 100}, [](const Variation&) { return std::numeric_limits<double>::infinity(); });
+      all_open, 5, {1000, 100, 100}, [](const Variation&) { return std::numeric_limits<double>::infinity(); });
   EXPECT_EQ(found.best, Variation{});
   EXPECT_EQ(found.faults, 5);
 }
