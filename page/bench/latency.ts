@@ -6,10 +6,12 @@ import { closeBrowser, EditorHarness, run } from "../tests/e2e/harness";
 import { recordPictures, recordStretches, type Picture, type Records } from "./probe";
 
 const size = { width: 1280, height: 800 };
+/** Numbers of triangles, and the resolutions of the sample that has them. */
 const sizes = [
   ["10,000", 67],
   ["100,000", 200],
   ["1,000,000", 625],
+  ["2,000,000", 885],
 ] as const;
 /** Method, its label, and the radius of the region in diagonals of the model's box. */
 const methods = [
@@ -200,12 +202,17 @@ function table(heads: readonly string[], rows: readonly string[][]): string {
   return line(heads) + `|${heads.map((_, i) => (i === 2 && heads.length > 5 ? "---|" : "---:|")).join("")}\n` + rows.map(line).join("");
 }
 
+const digitsOf = (triangles: string) => triangles.replaceAll(",", "");
 const wanted = process.argv[2]; // a size alone
+if (wanted !== undefined && !sizes.some(([triangles]) => digitsOf(triangles) === wanted)) {
+  process.stderr.write(`There is no size ${wanted}. Sizes: ${sizes.map(([triangles]) => digitsOf(triangles)).join(", ")}.\n`);
+  process.exit(1);
+}
 const drags = process.argv[3] !== "open";
 const opened: string[][] = [];
 const dragged: string[][] = [];
-for (const [triangles, resolution] of [...sizes, ["2,000,000", 885] as const]) {
-  if (wanted !== undefined && wanted !== triangles.replaceAll(",", "")) continue;
+for (const [triangles, resolution] of sizes) {
+  if (wanted !== undefined && wanted !== digitsOf(triangles)) continue;
   const { harness, row } = await openMeasured(resolution);
   opened.push(row);
   if (drags && triangles !== "2,000,000") dragged.push(...(await measureDrags(harness, triangles)));

@@ -1,5 +1,4 @@
-// Finds the gizmo's parts on the page, and reads the document and the model.
-import { expect } from "vitest";
+// Finds the gizmo's parts on the page, and reads the document and the model. Runs without Vitest, too, in benchmarks.
 import type { Pose } from "../../src/protocol";
 import { positionsOf, putSample, type EditorHarness, type Point, type User } from "./harness";
 
@@ -78,11 +77,13 @@ async function aimOnce(user: User, vertex: number): Promise<Point | undefined> {
 
 /** Returns a screen point near a vertex, with the model all around it, where a user would aim. */
 export async function aimAt(user: User, vertex: number): Promise<Point> {
-  let at: Point | undefined;
-  const aims = async () => (at = await aimOnce(user, vertex)) !== undefined; // a worker builds the tree for picking
-  await expect.poll(aims, { timeout: 5000, message: `vertex ${vertex} is not seen` }).toBe(true);
-  if (at === undefined) throw new Error(`vertex ${vertex} is not seen`);
-  return at;
+  const last = Date.now() + 5000; // a worker builds the tree for picking
+  for (;;) {
+    const at = await aimOnce(user, vertex);
+    if (at !== undefined) return at;
+    if (Date.now() > last) throw new Error(`vertex ${vertex} is not seen`);
+    await user.page.waitForTimeout(50);
+  }
 }
 
 export function poseOf(user: User, handle = "handle 1"): Promise<Pose | undefined> {
