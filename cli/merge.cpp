@@ -15,6 +15,7 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/mesh/topology.h>
 #include <meshgraft/script/edit_file.h>
 #include <meshgraft/script/run_edit.h>
 
@@ -143,16 +144,33 @@ std::vector<Index> source_loops(const MergeStep& step) {
   return loops.empty() ? std::vector<Index>{0} : loops;
 }
 
+// Returns the numbers of a file's boundary loops in words.
+std::string loop_numbers(const std::filesystem::path& file) {
+  const std::size_t count = boundary_loops(read_mesh(file, {})).size();
+  if (count < 2) return count == 0 ? "no loop" : "only loop 0";
+  return fmt::format("loops 0 to {}", count - 1);
+}
+
 // Throws Error(input) where two values of `--pair` name the same loop.
-void require_loops_once(const std::vector<std::string>& pairs) {
-  std::map<std::pair<std::string, Index>, std::string> owner;
-  for (const std::string& text : pairs) {
+void require_loops_once(const MergeArguments& arguments) {
+  std::map<std::pair<std::string, Index>, std::size_t> owner;
+  for (std::size_t k = 0; k < arguments.pairs.size(); ++k) {
+    const std::string& text = arguments.pairs[k];
     const auto [target, source] = index_pair(text, "--pair");
     for (const auto& [side, loop] : {std::pair<std::string, Index>{"target", target}, {"source", source}}) {
-      const auto [before, is_new] = owner.emplace(std::pair{side, loop}, text);
-      if (!is_new)
-        throw Error(facts::cli::LoopInTwoPairs{.side = side, .loop = loop, .other = before->second},
+      const auto [before, is_new] = owner.emplace(std::pair{side, loop}, k);
+      if (is_new) continue;
+      const std::string target_loops = loop_numbers(arguments.target),
+                        source_loops = loop_numbers(arguments.source);
+      if (arguments.pairs[before->second] == text)
+        throw Error(facts::cli::PairGivenTwice{.target_loops = target_loops, .source_loops = source_loops},
                     Location::field("--pair " + text));
+      throw Error(facts::cli::LoopInTwoPairs{.side = side,
+                                             .loop = loop,
+                                             .other = arguments.pairs[before->second],
+                                             .target_loops = target_loops,
+                                             .source_loops = source_loops},
+                  Location::field("--pair " + text));
     }
   }
 }
@@ -161,7 +179,7 @@ MergeStep plain_step(const MergeArguments& arguments) {
   MergeStep step;
   step.target = "target";
   step.source = "source";
-  require_loops_once(arguments.pairs);
+  require_loops_once(arguments);
   for (const std::string& text : arguments.pairs) {
     const auto [target, source] = index_pair(text, "--pair");
     step.pairs.push_back({{Selection::Loop{source}}, {Selection::Loop{target}}, {}});

@@ -41,9 +41,13 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"merge sheet.obj sheet.obj -o o.ply --align 1:2", 2, "--align is given 1 time"},
       {"merge sheet.obj sheet.obj -o o.ply --pair 3:0", 3, "error: --pair 3:0: "},
       {"merge sheet.obj sheet.obj -o o.ply --pair 0:1 --pair 0:2", 3,
-       "error: --pair 0:2: the target's loop 0 belongs to --pair 0:1 already. Use each loop once."},
+       "error: --pair 0:2: the target's loop 0 is in --pair 0:1, too. Use each loop once: the target has only "
+       "loop 0, the source only loop 0."},
       {"merge sheet.obj sheet.obj -o o.ply --pair 0:1 --pair 2:1", 3,
-       "error: --pair 2:1: the source's loop 1 belongs to --pair 0:1 already. Use each loop once."},
+       "error: --pair 2:1: the source's loop 1 is in --pair 0:1, too. Use each loop once: "},
+      {"merge sheet.obj sheet.obj -o o.ply --pair 0:0 --pair 0:0", 3,
+       "error: --pair 0:0: this is given twice. Leave one of them out, or use other loops: the target has "
+       "only"},
       {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --match 9:1", 3,
        "error: --match 9:1: vertex 9 is not on"},
       {"merge sheet.obj sheet.obj -o o.ply --start 0:0 --align 0:0 --align 1:1 --align 999:2", 3,
