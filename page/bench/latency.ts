@@ -66,8 +66,9 @@ function quantile(values: readonly number[], share: number): number {
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? NaN;
 }
 
-/** "median (95th percentile)" */
+/** "median (95th percentile)", or a dash without values */
 function spread(values: readonly number[]): string {
+  if (values.length === 0) return "–";
   const digits = (x: number) => (x < 10 ? x.toFixed(1) : x.toFixed(0));
   return `${digits(quantile(values, 0.5))} (${digits(quantile(values, 0.95))})`;
 }

@@ -125,12 +125,17 @@ Json Worker::group(const json::Value& message, const Context& context) {
   fields.optional("keep", [&](const json::Value& v) { keeps = v.boolean(); });
   fields.optional("colour", [&](const json::Value& v) { colour = v.name(); });
   Json document = open_one().document().json;
-  if (removes)
+  if (removes) {
+    if (const auto resumed = resumed_graft(open_one().document(), open_one().history())) {
+      Json before = resumed->before.json;  // Cancel needs the selections that it uses
+      remove_group(before, name);
+    }
     remove_group(document, name);
-  else if (keeps)
+  } else if (keeps) {
     set_colour(document, name, colour);
-  else
+  } else {
     set_group(document, name, selection_or(fields, open_one().selection.on->name), colour);
+  }
   return change(removes ? "remove_group" : keeps ? "colour" : "group", document, context);
 }
 

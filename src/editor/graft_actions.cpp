@@ -235,6 +235,17 @@ Json with_later_steps(const Json& document, const ResumedGraft& resumed) {
   return whole;
 }
 
+Json cancelled_again(const Json& document, const ResumedGraft& resumed) {
+  const auto& [before, after] = resumed;
+  const std::size_t graft = after.edit.steps.size() - 1;
+  Json as_resumed = document;
+  as_resumed["steps"].back() = after.json["steps"][graft];
+  if (as_resumed == after.json) return before.json;
+  Json kept = document;
+  kept["steps"].back() = before.json["steps"][graft];
+  return with_later_steps(kept, resumed);
+}
+
 std::string part_of_last_change(const History& history) {
   if (!history.can_undo() || history.label() != "add_part") return {};
   const Json before = Json::parse(history.before().document), now = Json::parse(history.current());

@@ -64,6 +64,10 @@ std::optional<ResumedGraft> resumed_graft(const Document& document, const Histor
 /// selections that left with them.
 Json with_later_steps(const Json& document, const ResumedGraft& resumed);
 
+/// Returns a document whose last step is a resumed graft with that graft as it was before, and the later steps
+/// behind it. Other changes since then stay.
+Json cancelled_again(const Json& document, const ResumedGraft& resumed);
+
 /// Starts a graft, or changes the one in work. `fields` are those of a merge step; null removes a field, and
 /// only the named values of `settings` change. Throws Error(input) where the part is ambiguous or is the
 /// model itself.

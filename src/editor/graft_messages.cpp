@@ -48,6 +48,12 @@ void add_lines(BinaryMessage& message, const MergeReport& report, const Eigen::R
 
 Json start_json(const PairReport& pair) { return {pair.start.source, std::max(Index{0}, pair.start.target)}; }
 
+// Returns the location on the target's loop that the start's source vertex meets; null where none is reported.
+Json start_place(const PairReport& pair) {
+  if (pair.met.empty() || pair.met.front() != pair.start.source) return nullptr;
+  return vector_json<Json>(Eigen::Vector3d(pair.target_points.row(0)));
+}
+
 Json pair_summary(const PairReport& pair) {
   return {{"start", start_json(pair)},          {"confidence", pair.confidence},
           {"starts", starts_json(pair.starts)}, {"misfit_rel", pair.misfit_rel},
@@ -105,9 +111,12 @@ Json base_summary(const BaseReport& base, const Eigen::Affine3d& posing) {
 }  // namespace
 
 Json found_json(const MergeOutcome& merge) {
-  Json starts = Json::array();
-  for (const PairReport& pair : merge.report.pairs) starts.push_back(start_json(pair));
-  return {{"size", scale_of(whole_map(merge))}, {"starts", starts}};
+  Json starts = Json::array(), places = Json::array();
+  for (const PairReport& pair : merge.report.pairs) {
+    starts.push_back(start_json(pair));
+    places.push_back(start_place(pair));
+  }
+  return {{"size", scale_of(whole_map(merge))}, {"starts", starts}, {"start_places", places}};
 }
 
 Json found_json(const SculptOutcome& sculpt, std::span<const Note> notes) {

@@ -78,7 +78,13 @@ Json Worker::part(const json::Value& message, const Context& context) {
   const EditFile& edit = open_one().document().edit;
   Json document = open_one().document().json;
   if (what == What::remove) {
-    remove_part(document, edit, fields.required("name").name());
+    const std::string name = fields.required("name").name();
+    if (const auto resumed = resumed_graft(open_one().document(), open_one().history());
+        resumed && resumed->before.json["inputs"].contains(name)) {
+      Json before = resumed->before.json;  // Cancel needs the part that it uses
+      remove_part(before, resumed->before.edit, name);
+    }
+    remove_part(document, edit, name);
     return change("remove_part", document, context);
   }
   if (what == What::withdraw) {
@@ -181,11 +187,12 @@ Json Worker::with_graft(Json given) {
   return document;
 }
 
-// Returns the document after Cancel: as it was before its graft was taken up again, or else without the graft
-// and the part that was added for it.
+// Returns the document after Cancel: with its graft as it was before it was taken up again, or else without the
+// graft and the part that was added for it.
 Json Worker::without_graft() {
   const Document& current = open_one().document();
-  if (const auto resumed = resumed_graft(current, open_one().history())) return resumed->before.json;
+  if (const auto resumed = resumed_graft(current, open_one().history()))
+    return cancelled_again(current.json, *resumed);
   Json document = current.json;
   cancel_graft(document, current.edit);
   const std::string part = part_of_drop(open_one().history());

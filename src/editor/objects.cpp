@@ -189,7 +189,8 @@ StepInputs Objects::before(const Document& document, const Context& context) {
     stage.found.push_back(found ? *found : Json());
   }
   constexpr std::size_t most_undone = 3;
-  found_.keep(count + most_undone);
+  constexpr std::size_t most_found = 64;  // they are small, and come back with steps that were set aside
+  found_.keep(count + most_found);
   const std::size_t most = stage.parts.size() + 1 + most_undone;
   inputs_.keep(edit.inputs.size() + most_undone);
   states_.keep(most);

@@ -53,6 +53,17 @@ Json Worker::symmetry(const json::Value& message, const Context& context) {
   return change(plane.is_null() ? "symmetry_off" : "symmetry", document, context);
 }
 
+// Throws Error(usage) where the step is not the graft that is edited again, whose Accept and Cancel need all
+// else as it was. `changes`: the step keeps its place and its name.
+void Worker::require_graft_alone(bool changes, std::size_t index) {
+  const Document& current = open_one().document();
+  if (!resumed_graft(current, open_one().history())) return;
+  if (const std::size_t count = open_one().steps_set_aside().size();
+      count > 0 && !changes && index + 1 == current.edit.steps.size())
+    throw Error(facts::editor::StepsSetAside{.count = count}, "index");
+  if (!changes || index + 1 < current.edit.steps.size()) throw Error(facts::editor::StepBesideGraft{}, "index");
+}
+
 Json Worker::step(const json::Value& message, const Context& context) {
   enum class What { change, remove, rename };
   const json::Object fields(message, {"id", "do", "what", "index", "fields", "poses", "twist", "name"});
@@ -60,6 +71,7 @@ Json Worker::step(const json::Value& message, const Context& context) {
       {{"change", What::change}, {"remove", What::remove}, {"rename", What::rename}});
   const auto index = static_cast<std::size_t>(fields.required("index").vertex());
   Json document = open_one().document().json;
+  require_graft_alone(what == What::change, index);
   switch (what) {
     case What::change:
       change_step(document, index, {object_in(fields, "fields"), object_in(fields, "poses")});
@@ -70,12 +82,7 @@ Json Worker::step(const json::Value& message, const Context& context) {
                   open_one().twisted_start(index, pair, twist.required("by_deg").number(), context));
       });
       return change("change_step", document, context);
-    case What::remove:
-      if (const std::size_t count = open_one().steps_set_aside().size();
-          count > 0 && index + 1 == document["steps"].size())
-        throw Error(facts::editor::StepsSetAside{.count = count}, "index");
-      remove_step(document, index);
-      return change("remove_step", document, context);
+    case What::remove: remove_step(document, index); return change("remove_step", document, context);
     case What::rename: break;
   }
   rename_step(document, index, fields.required("name").string());

@@ -52,12 +52,13 @@ std::size_t nearest(const std::vector<double>& arcs, double arc) {
 
 }  // namespace
 
-Match twisted_start(const Mesh& source, const Mesh& target, const Match& start, double by_deg) {
+Match twisted_start(const Mesh& source, const Mesh& target, const Match& start, double by_deg, bool mirrored) {
   const LoopArcs from = loop_from(source, start.source), to = loop_from(target, start.target);
   Match best = start;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < from.vertices.size(); ++i) {
-    const double wanted = to_unit(by_deg / 360 - from.arcs[i]);  // loops run in opposite directions
+    // Loops run in opposite directions, unless the source is mirrored.
+    const double wanted = to_unit(by_deg / 360 + (mirrored ? from.arcs[i] : -from.arcs[i]));
     const std::size_t met = nearest(to.arcs, wanted);
     const double off = distance(to.arcs[met], wanted) + 1e-9 * distance(from.arcs[i], 0);
     if (off >= least) continue;

@@ -106,6 +106,7 @@ class Worker {
   Json settings(const json::Value& message, const Context& context);
   Json symmetry(const json::Value& message, const Context& context);
   Json sculpt(const json::Value& message, const Context& context);
+  void require_graft_alone(bool changes, std::size_t index);
   Json step(const json::Value& message, const Context& context);
   Json accept(const json::Value& message, const Context& context);
   Json undo(const json::Value& message, const Context& context);

@@ -5,6 +5,9 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <Eigen/Core>
+
+#include <meshgraft/mesh/orientation.h>
 
 #include "editor/facts.h"
 #include "graft_actions.h"
@@ -64,6 +67,12 @@ Json set_aside_summary(const std::vector<Json>& steps) {
   return summary;
 }
 
+// Returns whether a graft turns its source into a mirror image.
+bool mirrors(const MergeStep& merge) {
+  const bool by_map = merge.source_transform && merge.source_transform->topLeftCorner<3, 3>().determinant() < 0;
+  return merge.mirror.has_value() != by_map;
+}
+
 // Returns the symmetry in the form of the request `symmetry`, with the handles' twins.
 Json symmetry_summary(const Json& step, const LiveView& view) {
   if (!step.contains("symmetry")) return nullptr;
@@ -79,6 +88,23 @@ Json symmetry_summary(const Json& step, const LiveView& view) {
   return {{"plane", {{"point", symmetry["point"]}, {"normal", symmetry["normal"]}}},
           {"tolerance_rel", symmetry["tolerance_rel"]},
           {"twins", twins}};
+}
+
+std::string axis_name(const Eigen::Vector3d& direction) {
+  for (const char* name : {"x", "-x", "y", "-y", "z", "-z"})
+    if (axis_named(name)->isApprox(direction, 1e-6)) return name;
+  return {};
+}
+
+// Returns the most probable front of a model with its upper side as the file has it; empty without faces.
+// About 0.1 s for a million triangles.
+std::string front_of(const Mesh& mesh) {
+  if (mesh.face_count() == 0) return {};
+  const Eigen::Vector3d up =
+      up_axis_of(mesh) == UpAxis::y ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  for (const OrientationGuess& guess : guess_orientations(mesh))
+    if (guess.orientation.up.isApprox(up, 1e-6)) return axis_name(guess.orientation.front);
+  return {};
 }
 
 Json object_summary(const Object& object) {
@@ -130,6 +156,7 @@ Workspace::Workspace(Document document, Source source, const Folders& folders, c
       history_(document.text),
       saved_(document.text) {
   show(checked(std::move(document)), context);
+  front_ = front_of(stage_.model->mesh());
 }
 
 // Deletes the list of running steps while the journal is still held: this is an end in order.
@@ -445,7 +472,7 @@ Match Workspace::twisted_start(std::size_t index, std::size_t pair, double by_de
   const auto source = objects_.after(document_, index, merge->source, context);
   const auto target = objects_.after(document_, index, merge->target, context);
   return editor::twisted_start(source->mesh, target->mesh, {start[0].get<Index>(), start[1].get<Index>()},
-                               by_deg);
+                               by_deg, mirrors(*merge));
 }
 
 fs::path Workspace::decline() {
@@ -554,6 +581,7 @@ Json Workspace::summary() const {
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
           {"up", up_axis_of(stage_.model->mesh()) == UpAxis::y ? "y" : "z"},
+          {"front", front_},
           {"unit", length_unit(stage_.model->mesh())},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},

@@ -617,6 +617,70 @@ TEST_F(GraftWithLaterSteps, KeepTheGraftTheyWorkOn) {
   EXPECT_EQ(page_.refusal({{"do", "step"}, {"what", "remove"}, {"index", 0}})["id"], "editor.steps_set_aside");
 }
 
+TEST_F(GraftWithLaterSteps, CancelKeepsWhatElseWasChangedMeanwhile) {
+  const Json before = page_.ask({{"do", "state"}});
+  resume();
+  graft({{"normal_angle_deg", 12}});
+  page_.ask({{"do", "group"}, {"name", "crown"}, {"select", {{"indices", {3, 4}}}}});
+  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "bar"}, {"resolution", 4}});
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  const Json now = state();
+  EXPECT_EQ(now["steps"], accepted_["steps"]);
+  EXPECT_EQ(now["groups"].size(), before["groups"].size() + 1);
+  EXPECT_EQ(now["parts"].size(), before["parts"].size() + 1);
+  page_.ask({{"do", "undo"}});
+  EXPECT_EQ(state()["graft"]["step"]["normal_angle_deg"], 12);
+}
+
+TEST_F(GraftWithLaterSteps, KeepTheOtherStepsAndWhatTheyUse) {
+  page_.ask({{"do", "part"}, {"what", "add"}, {"sample", "bar"}, {"resolution", 4}});
+  page_.ask({{"do", "cut"}, {"plane", {{"point", {-0.3, 0, 0}}, {"normal", {1, 0, 0}}}}, {"keep", "above"}});
+  page_.ask({{"do", "group"}, {"name", "chest"}, {"select", {{"indices", {5, 6, 7}}}}});
+  page_.ask({{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.01}, {"select", "chest"}});
+  resume();
+  const Json before = state();
+  const Json renamed = page_.refusal({{"do", "step"}, {"what", "rename"}, {"index", 0}, {"name", "neck"}});
+  EXPECT_EQ(renamed["id"], "editor.steps_set_aside");
+  EXPECT_EQ(page_.refusal({{"do", "group"}, {"name", "chest"}, {"remove", true}})["id"],
+            "editor.selection_in_use");
+  EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "remove"}, {"name", "head"}})["id"], "editor.part_in_use");
+  EXPECT_EQ(state(), before);
+  page_.ask({{"do", "part"}, {"what", "remove"}, {"name", "bar"}});
+}
+
+TEST_F(GraftEditor, StepsBeforeAGraftStayAsTheyAreWhileItIsEditedAgain) {
+  open_bust_and_head();
+  page_.ask({{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.01}, {"select", {{"indices", {0, 1, 2}}}}});
+  ASSERT_FALSE(graft({{"source", "head"}}).contains("error"));
+  page_.ask({{"do", "accept"}});
+  page_.ask({{"do", "graft"}, {"what", "resume"}});
+  const Json before = state();
+  for (const Json& change : {Json{{"what", "change"}, {"fields", {{"height", 0.02}}}},
+                             Json{{"what", "rename"}, {"name", "trim"}}, Json{{"what", "remove"}}}) {
+    Json request = change;
+    request.update({{"do", "step"}, {"index", 0}});
+    EXPECT_EQ(page_.refusal(request)["id"], "editor.step_beside_graft");
+  }
+  EXPECT_EQ(state(), before);
+  page_.ask({{"do", "graft"}, {"what", "cancel"}});
+  page_.ask({{"do", "step"}, {"what", "rename"}, {"index", 0}, {"name", "trim"}});
+}
+
+TEST(TwistedStart, TurnsAMirroredSourceTheSameWay) {
+  const Mesh source = make_sample("cylinder", 20), target = make_sample("cylinder", 20);
+  const std::vector<Index> from = boundary_loops(source)[0], to = boundary_loops(target)[1];
+  const auto count = static_cast<int>(to.size());
+  const Match start{from[3], to[5]}, turned = editor::twisted_start(source, target, start, 95, true);
+  const auto steps = [&](const std::vector<Index>& loop, Index one, Index other) {
+    const auto at = [&](Index v) { return std::find(loop.begin(), loop.end(), v) - loop.begin(); };
+    return static_cast<int>(at(other) - at(one) + count) % count;
+  };
+  // The turn is what the target's vertex has gone, less what the source's vertex has gone the same way.
+  const double deg =
+      360.0 / count * (steps(to, start.target, turned.target) - steps(from, start.source, turned.source));
+  EXPECT_NEAR(std::remainder(deg - 95, 360), 0, 180.0 / count);
+}
+
 TEST(TwistedStart, TurnsAlongTheTargetsLoop) {
   const Mesh source = make_sample("cylinder", 20), target = make_sample("cylinder", 20);
   const std::vector<Index> from = boundary_loops(source)[0], to = boundary_loops(target)[1];

@@ -235,6 +235,18 @@ TEST_F(PartFiles, TellsWhichAxisStandsUp) {
   EXPECT_EQ(state()["up"], "y") << "most programs write it so";
 }
 
+TEST_F(PartFiles, GuessesTheFrontFromTheShape) {
+  open_bust();
+  EXPECT_EQ(state()["front"], "-y") << "the usual one";
+  Mesh turned = make_sample("bust", 20);
+  for (auto point : turned.positions.rowwise())
+    point = Eigen::RowVector3d(-point.y(), point.x(), point.z()).eval();
+  write_mesh(turned, folder_ / "turned.ply");
+  page_.ask({{"do", "open"}, {"path", "turned.ply"}});
+  EXPECT_EQ(state()["up"], "z");
+  EXPECT_TRUE(state()["front"] == "x" || state()["front"] == "-x") << "the shoulders lie along y";
+}
+
 TEST_F(PartFiles, APartChangesNoUnit) {
   write_mesh(make_sample("bust", 20), folder_ / "bust.glb");
   write_mesh(make_sample("head", 18), folder_ / "head.glb");

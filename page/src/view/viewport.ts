@@ -92,8 +92,9 @@ export class Viewport {
     },
   );
   private boundingSphere = new Sphere(new Vector3(), 1);
-  private fileName = "";
+  private model = "";
   private fileUp: "y" | "z" = "z";
+  private guessedFront: Axis | undefined;
   private posesTimer: ReturnType<typeof setTimeout> | undefined;
   private posesMoveUntil = 0; // time until which handles count as moving
 
@@ -249,10 +250,12 @@ export class Viewport {
 
   /** Takes the handles' poses from the document, for handles that `showPoses` is not given. */
   setDocument(state: DocumentState): void {
-    if (state.file !== this.fileName) {
+    const model = [state.file, state.name, state.front].join(" "); // a sample has no file
+    if (model !== this.model) {
       const was = this.navigation.upright;
-      this.fileName = state.file;
+      this.model = model;
       this.fileUp = state.up;
+      this.guessedFront = state.front === "" ? undefined : state.front;
       this.setUp();
       if (was !== this.navigation.upright) this.fit("all", false);
     }
@@ -495,10 +498,11 @@ export class Viewport {
     surface.showTextures(textured);
   }
 
-  /** Sets how the model stands: as chosen, or by the file format. */
+  /** Sets how the model stands: as chosen, or with the upper side of the file format and the front guessed from the shape. */
   private setUp(): void {
     const set = this.settings.up.value;
-    const upright = uprightOf(set === "auto" ? this.fileUp : set, this.settings.front.value);
+    const { value: chosen } = this.settings.front;
+    const upright = set === "auto" ? uprightOf(this.fileUp, chosen ?? this.guessedFront) : uprightOf(set, chosen);
     const { up, front } = this.navigation.upright;
     if (up !== upright.up || front !== upright.front) this.navigation.upright = upright;
     this.fitGround();

@@ -1,5 +1,6 @@
 import { afterEach, expect, test } from "vitest";
-import { EditorHarness } from "./harness";
+import { readFileSync, writeFileSync } from "node:fs";
+import { EditorHarness, run } from "./harness";
 
 let harness: EditorHarness | undefined;
 afterEach(async () => {
@@ -44,5 +45,44 @@ test("any side is made the front or the upper side at the view cube, and that is
   expect(await upright()).toEqual({ up: "x", front: "-z" });
   await choose("As in the file");
   expect(await upright()).toEqual(start);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("a model that faces sideways in its file is shown from its front, until the user chooses another", async () => {
+  harness = await EditorHarness.open();
+  const { user, folder } = harness;
+  const upright = () => user.page.evaluate(() => ({ ...window.meshgraft.viewport.navigation.upright }));
+  /** Opens a sample that is turned by a right angle about the vertical. */
+  const openTurned = async (sample: string) => {
+    const file = folder.file(`${sample}.obj`);
+    run("sample", sample, "--resolution", "40", "-o", file);
+    const turned = readFileSync(file, "utf8").replace(/^v (\S+) (\S+) (\S+)/gm, (_, x, y, z) => `v ${-Number(y)} ${x} ${z}`);
+    writeFileSync(file, turned);
+    await harness?.openFile(file);
+  };
+  await openTurned("bust");
+  await user.screenshot("standing-turned-bust");
+  const { up, front } = await upright();
+  expect(up).toBe("z");
+  expect(["x", "-x"]).toContain(front); // the shoulders lie along y
+  await openTurned("dinosaur");
+  expect(await upright()).toEqual({ up: "z", front: "-y" }); // the head lies at -x without the turn
+  await user.screenshot("standing-turned-dinosaur");
+  await harness.openSample("dinosaur", 40);
+  expect(await upright()).toEqual({ up: "z", front: "-x" });
+  await openTurned("cylinder");
+  expect(await upright()).toEqual({ up: "z", front: "-y" });
+  await openTurned("bust");
+  await user.press("1");
+  await user.press("3");
+  await user.rests();
+  await user.click("How the model stands");
+  await user.page.getByRole("menuitem", { name: "This side is the front" }).click();
+  await user.rests();
+  const chosen = (await upright()).front;
+  expect(["y", "-y"]).toContain(chosen);
+  await user.page.reload();
+  await user.opened();
+  expect((await upright()).front).toBe(chosen);
   expect(user.complaints).toEqual([]);
 }, 120_000);

@@ -1,5 +1,5 @@
 import type { GraftReport, ShownLoop, MeshObject } from "./graft_types";
-import { verticesOfMatch, type GraftStep, type MatchedVertices, type Pair, type StartCandidate } from "./graft_step";
+import { isMirrored, verticesOfMatch, type GraftStep, type MatchedVertices, type Pair, type StartCandidate } from "./graft_step";
 import { twistDeg, twisted, type LoopCurve } from "./loop_curve";
 
 /** The signals of a graft that `GraftStarts` reads. */
@@ -19,13 +19,14 @@ export class GraftStarts {
 
   constructor(private readonly graft: PairedLoops) {}
 
-  /** Returns the source and target loop of a pair; undefined until both are known. */
+  /** Returns the source and target loop of a pair, which run opposite ways; undefined until both are known. */
   curvesOf(pair: Pair): { source: LoopCurve; target: LoopCurve } | undefined {
     const loop = (object: MeshObject | undefined, index: number) =>
       this.graft.loops.value.get(object?.mesh ?? -1)?.[index]?.curve;
     const source = loop(this.graft.source.value, pair.sourceLoop);
     const target = loop(this.graft.target.value, pair.targetLoop);
-    return source === undefined || target === undefined ? undefined : { source, target };
+    if (source === undefined || target === undefined) return undefined;
+    return { source: isMirrored(this.graft.step.value) ? source.reversed() : source, target };
   }
 
   /** Returns the start of a pair: the given one, or else the one found last. */

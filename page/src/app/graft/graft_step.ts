@@ -1,4 +1,5 @@
 // A merge step of the document in the form the page works with, and the fields that change it. No state, no screen.
+import { Matrix4 } from "three";
 import type { EngineEvent, Match, PageRequest, EditSelection } from "../../protocol";
 
 /** Fields of a graft to be changed by the engine; null removes a field. */
@@ -86,6 +87,13 @@ function readPair(pair: RequestPair): Pair {
     source: pair.source_loop,
     target: pair.target_loop,
   };
+}
+
+/** Returns whether a graft turns its part into a mirror image. */
+export function isMirrored(step: Pick<GraftStep, "mirror" | "sourceTransform"> | undefined): boolean {
+  const rows = step?.sourceTransform;
+  const reflects = rows !== undefined && new Matrix4().set(...(rows.flat() as Parameters<Matrix4["set"]>)).determinant() < 0;
+  return (step?.mirror !== undefined) !== reflects;
 }
 
 function loopNumber(selection: EditSelection): number {

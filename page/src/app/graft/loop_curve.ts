@@ -1,15 +1,17 @@
 // Boundary loops as curves parametrised by arc length. No state, no screen.
-import type { MatchedVertices } from "./graft_step";
+import { Line3, Vector3 } from "three";
+import type { MatchedVertices, Vector3Tuple } from "./graft_step";
 
 /** A closed loop of vertices with arc-length parameters: 0 at the first vertex, below 1 at all others. */
 export class LoopCurve {
   readonly length: number;
   private readonly parameters: Float64Array;
   private readonly indexOfVertex = new Map<number, number>();
+  private opposite: LoopCurve | undefined;
 
   constructor(
     readonly vertices: Uint32Array,
-    positions: Float32Array,
+    private readonly positions: Float32Array,
   ) {
     const n = vertices.length;
     this.parameters = new Float64Array(n);
@@ -21,6 +23,11 @@ export class LoopCurve {
     }
     this.length = length;
     if (length > 0) for (let i = 0; i < n; ++i) this.parameters[i] = (this.parameters[i] as number) / length;
+  }
+
+  /** Returns the same loop in the opposite order: that of the mirror image of its surface. */
+  reversed(): LoopCurve {
+    return (this.opposite ??= new LoopCurve(this.vertices.slice().reverse(), this.positions));
   }
 
   has(vertex: number): boolean {
@@ -40,6 +47,23 @@ export class LoopCurve {
     for (let i = 1; i < this.parameters.length; ++i) if (distanceTo(i) < distanceTo(best)) best = i;
     return this.vertices[best] as number;
   }
+}
+
+/** Returns the parameter of the point of a loop that is nearest to a point, and their distance. */
+export function placeOn(loop: LoopCurve, positionOf: (vertex: number) => Vector3Tuple, point: Vector3): { parameter: number; distance: number } {
+  const { vertices } = loop;
+  const at = (i: number) => new Vector3(...positionOf(vertices[i % vertices.length] as number));
+  let best = { parameter: 0, distance: Infinity };
+  for (let i = 0; i < vertices.length; ++i) {
+    const edge = new Line3(at(i), at(i + 1));
+    const share = edge.closestPointToPointParameter(point, true);
+    const distance = edge.at(share, new Vector3()).distanceTo(point);
+    if (distance >= best.distance) continue;
+    const begin = loop.parameterOf(vertices[i] as number) ?? 0;
+    const end = i + 1 < vertices.length ? (loop.parameterOf(vertices[i + 1] as number) ?? 0) : 1;
+    best = { parameter: begin + share * (end - begin), distance };
+  }
+  return best;
 }
 
 /** Returns the signed distance from `from` to `to` along a loop, as a share of its length: -0.5 to 0.5. */

@@ -1,4 +1,4 @@
-import type { DocumentState } from "../../protocol";
+import type { DocumentState, Vector } from "../../protocol";
 import type { Viewport } from "../../view/viewport";
 import type { Editor } from "../editor";
 import { planeAcross, type Plane } from "../mirror_plane";
@@ -28,12 +28,14 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
   const fields = wholeFields(step.fields, graft.latestStep.value);
   if (fields === undefined)
     return editor.note("the fixed areas of the graft are no longer known here", "", "Edit the graft again under Steps, accept it, then mirror it.");
-  const plane = mirrorPlane(editor, viewport);
+  const { starts = [], start_places: places = [] } = step.found ?? {};
+  const plane = mirrorPlane(editor, viewport, places);
   graft.mode.value = "graft";
   await graft.needLoops();
-  const loops = (graft.loops.value.get(surface.id) ?? []).map(({ vertices }) => vertices);
+  const loopsOf = (mesh: number | undefined) => (graft.loops.value.get(mesh ?? -1) ?? []).map(({ curve }) => curve);
   const positionOf = (vertex: number) => surface.positionOf(vertex).toArray();
-  const mirrored = mirroredGraft({ fields, starts: step.found?.starts ?? [], loops, positionOf }, plane);
+  const partLoops = loopsOf(graft.byName(fields.source ?? "")?.mesh);
+  const mirrored = mirroredGraft({ fields, starts, places, loops: loopsOf(surface.id), partLoops, positionOf }, plane);
   if (mirrored === undefined)
     return editor.note(
       "the model has no open loop where the mirrored copy would be",
@@ -44,14 +46,19 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
   await graft.set(mirrored);
 }
 
-/** The plane of symmetry, or else that between left and right through the middle of the model before the graft. */
-function mirrorPlane({ state, graft, box }: Editor, viewport: Viewport): Plane {
+/**
+ * The plane of symmetry, or else that between left and right through the middle of the model before the graft. The seam
+ * replaces the rim of an open loop, so the places where the part met the loop are counted in.
+ */
+function mirrorPlane({ state, graft, box }: Editor, viewport: Viewport, places: readonly (Vector | null)[]): Plane {
   const symmetry = state.value?.symmetry?.plane;
   if (symmetry !== undefined) return symmetry;
   const [x = 0, y = 0, z = 0] = viewport.navigation.axes()[1].toArray().map(Math.abs);
   const axis = x >= Math.max(y, z) ? "x" : y >= z ? "y" : "z";
   const before = graft.seam.value?.target ?? box.value ?? { low: [0, 0, 0], high: [0, 0, 0] };
-  return planeAcross(axis, before);
+  const points = [before.low, before.high, ...places.filter((place) => place !== null)];
+  const bound = (of: (...values: number[]) => number) => [0, 1, 2].map((k) => of(...points.map((point) => point[k] as number))) as Vector;
+  return planeAcross(axis, { low: bound(Math.min), high: bound(Math.max) });
 }
 
 // The state has long lists as their number of elements; the step that was edited last has them all.

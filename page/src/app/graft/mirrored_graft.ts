@@ -2,16 +2,21 @@
 import { Matrix4, Vector3 } from "three";
 import type { EditSelection, Match, Vector } from "../../protocol";
 import type { Plane } from "../mirror_plane";
-import type { GraftFields, Rows4, Vector3Tuple } from "./graft_step";
+import { isMirrored, type GraftFields, type MatchedVertices, type Rows4, type Vector3Tuple } from "./graft_step";
+import { between, placeOn, twisted, type LoopCurve } from "./loop_curve";
 
 /** The graft to be mirrored, and the model that it gave. */
 export interface GraftToMirror {
   /** The fields of its step. */
   readonly fields: GraftFields;
   /** The vertices that met at the start of each pair, of the source and of the target. */
-  readonly starts: readonly (readonly [number, number])[];
+  readonly starts: readonly MatchedVertices[];
+  /** The places where the starts' vertices of the source met the target's loops, between its vertices; null if unknown. */
+  readonly places: readonly (Vector | null)[];
   /** The open loops of the model. */
-  readonly loops: readonly Uint32Array[];
+  readonly loops: readonly LoopCurve[];
+  /** The open loops of the part. */
+  readonly partLoops: readonly LoopCurve[];
   /** Returns the position of a vertex of the model. The target's vertices keep their numbers in it. */
   positionOf(vertex: number): Vector3Tuple;
 }
@@ -25,7 +30,8 @@ export function mirroredGraft(graft: GraftToMirror, plane: Plane): GraftFields |
     const mirrored = mirroredPlace(graft, reflect, at);
     return { ...same, ...posing, at: mirrored };
   }
-  const mirroredPairs = (pairs ?? []).map((pair, i) => mirroredPair(graft, reflect, pair, graft.starts[i]));
+  const turnsOver = isMirrored({ mirror: posing.mirror ?? undefined, sourceTransform: posing.source_transform ?? undefined });
+  const mirroredPairs = (pairs ?? []).map((pair, i) => mirroredPair(graft, reflect, pair, i, turnsOver));
   if (mirroredPairs.length === 0 || mirroredPairs.some((pair) => pair === undefined)) return undefined;
   return { ...same, ...posing, pairs: mirroredPairs.filter((pair) => pair !== undefined) };
 }
@@ -90,51 +96,48 @@ function mirroredBase<Base extends object>(reflect: Matrix4, base: Base): Base {
 
 type RequestPair = NonNullable<GraftFields["pairs"]>[number];
 
-function mirroredPair(
-  graft: GraftToMirror,
-  reflect: Matrix4,
-  pair: RequestPair,
-  start: readonly [number, number] | undefined,
-): RequestPair | undefined {
+function mirroredPair(graft: GraftToMirror, reflect: Matrix4, pair: RequestPair, index: number, turnsOver: boolean): RequestPair | undefined {
+  const start = graft.starts[index];
   if (start === undefined) return undefined;
-  const across = (vertex: number) => new Vector3(...graft.positionOf(vertex)).applyMatrix4(reflect);
-  const loop = loopNear(graft, across(start[1]));
-  if (loop === undefined) return undefined;
-  const vertices = graft.loops[loop] ?? new Uint32Array();
-  const mirrored = (target: Match[1]) =>
-    nearest(graft, vertices, typeof target === "number" ? across(target) : new Vector3(...target).applyMatrix4(reflect));
+  const across = (point: Vector) => new Vector3(...point).applyMatrix4(reflect);
+  const met = across(graft.places[index] ?? graft.positionOf(start[1]));
+  const loop = loopNear(graft, met);
+  const curve = graft.loops[loop ?? -1];
+  if (curve === undefined) return undefined;
+  const mirrored = (target: Match[1]) => nearestVertex(graft, curve, across(typeof target === "number" ? graft.positionOf(target) : target));
+  const nearest: MatchedVertices = [start[0], nearestVertex(graft, curve, met)];
+  const matches = pair.matches ?? [];
+  const [source, target] = matches.length === 0 ? nearestStart(graft, curve, met, nearest, turnsOver) : nearest;
   return {
     source_loop: pair.source_loop,
     target_loop: { loop } as EditSelection,
-    start: [start[0], mirrored(start[1])],
-    ...(pair.matches !== undefined && { matches: pair.matches.map(([source, target]): Match => [source, mirrored(target)]) }),
+    start: [source, target],
+    ...(pair.matches !== undefined && { matches: matches.map(([source, target]): Match => [source, mirrored(target)]) }),
   };
 }
 
+// Returns the start that turns the part as if the start's vertex of the part met the loop at a point between its vertices.
+function nearestStart(graft: GraftToMirror, curve: LoopCurve, met: Vector3, start: MatchedVertices, turnsOver: boolean): MatchedVertices {
+  const own = graft.partLoops.find((loop) => loop.has(start[0]));
+  if (own === undefined) return start;
+  const { parameter } = placeOn(curve, graft.positionOf, met);
+  const angle = 360 * between(curve.parameterOf(start[1]) ?? 0, parameter);
+  return twisted(turnsOver ? own.reversed() : own, curve, start, angle);
+}
+
 /** Returns the loop that passes a point, within a tenth of the loop's length. */
-function loopNear(graft: GraftToMirror, point: Vector3): number | undefined {
+function loopNear({ loops, positionOf }: GraftToMirror, point: Vector3): number | undefined {
   let best: number | undefined;
   let least = Infinity;
-  graft.loops.forEach((vertices, loop) => {
-    const off = new Vector3(...graft.positionOf(nearest(graft, vertices, point))).distanceTo(point);
-    if (off >= least || off > 0.1 * lengthOf(graft, vertices)) return;
+  loops.forEach((curve, loop) => {
+    const { distance } = placeOn(curve, positionOf, point);
+    if (distance >= least || distance > 0.1 * curve.length) return;
     best = loop;
-    least = off;
+    least = distance;
   });
   return best;
 }
 
-function nearest({ positionOf }: GraftToMirror, vertices: Uint32Array, point: Vector3): number {
-  let best = vertices[0] ?? 0;
-  let least = Infinity;
-  for (const v of vertices) {
-    const off = new Vector3(...positionOf(v)).distanceTo(point);
-    if (off < least) [best, least] = [v, off];
-  }
-  return best;
-}
-
-function lengthOf({ positionOf }: GraftToMirror, loop: Uint32Array): number {
-  const at = (i: number) => new Vector3(...positionOf(loop[i % loop.length] ?? 0));
-  return loop.reduce((sum, _, i) => sum + at(i).distanceTo(at(i + 1)), 0);
+function nearestVertex({ positionOf }: GraftToMirror, curve: LoopCurve, point: Vector3): number {
+  return curve.vertexAt(placeOn(curve, positionOf, point).parameter);
 }
