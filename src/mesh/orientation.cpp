@@ -20,15 +20,26 @@ namespace meshgraft {
 namespace {
 
 constexpr Eigen::Index sample_count = 2500;
+constexpr Eigen::Index surface_count = 20'000;  // dense enough to tell an exact mirror image from a near one
 
 // Weights of the evidence, in nats. They were fitted, together with those in merge/start_candidates.cpp, to
 // grafts of models with a known orientation (docs/merging.md, "Starts").
 constexpr double usual_up = 1.9, usual_front = 1.5;
-constexpr double asymmetry_weight = 32;  // per distance between mirrored samples, × the RMS radius
+constexpr double asymmetry_weight = 32;  // per distance of mirrored samples from the surface, × the RMS radius
 constexpr double base_weight = 8.4;      // per share of the footprint that the base covers
+// Chosen: an exact mirror plane is made on purpose; a nearly exact one is found in round things, too.
+constexpr double exact_mirror = 3, exact_within = 0.01;
+constexpr double lean_weight = 8;  // chosen, per squared lean; animals hold their heads high and forward
+
+struct Samples {
+  Points points, normals;
+
+  // Returns the area of the surface's openings, × its own: the normals of a closed surface add up to zero.
+  double opening_share() const { return normals.colwise().mean().norm(); }
+};
 
 // Returns points at equal shares of the area, so that they depend on the surface and not on its triangles.
-Points surface_samples(const Mesh& mesh) {
+Samples surface_samples(const Mesh& mesh, Eigen::Index count) {
   const Triangles triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   std::vector<double> areas(triangles.rows());
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
@@ -36,26 +47,28 @@ Points surface_samples(const Mesh& mesh) {
     areas[t] = std::isfinite(area) ? area : 0;
   }
   std::partial_sum(areas.begin(), areas.end(), areas.begin());
-  if (areas.empty() || !(areas.back() > 0)) return Points(0, 3);
-  Points samples(sample_count, 3);
+  if (areas.empty() || !(areas.back() > 0)) return {Points(0, 3), Points(0, 3)};
+  Samples samples{Points(count, 3), Points(count, 3)};
   Eigen::Index t = 0;
-  for (Eigen::Index i = 0; i < sample_count; ++i) {
-    const double share = (static_cast<double>(i) + 0.5) / sample_count * areas.back();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count) * areas.back();
     while (areas[t] < share) ++t;
     // The plastic number's sequence spreads the samples within triangles.
     double u = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(i), 1);
     double v = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(i), 1);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const auto corner = [&](int k) { return mesh.positions.row(triangles(t, k)); };
-    samples.row(i) = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
+    samples.points.row(i) = (1 - u - v) * corner(0) + u * corner(1) + v * corner(2);
+    samples.normals.row(i) = area_vector(triangles, t, mesh.positions).normalized();
   }
   return samples;
 }
 
-// Returns the mean distance of samples from their mirror images across a plane at a right angle to a
-// coordinate axis, × the RMS radius. The plane is the better one of that through the centroid and that through
-// the middle of the bounding box.
-double asymmetry(const Points& samples, const VertexTree& tree, double radius, int axis) {
+// Returns the mean distance of mirrored samples from the surface, × the RMS radius. The mirror is at a right
+// angle to a coordinate axis: the better one of the planes through the centroid and through the middle of the
+// bounding box. The surface is the tangent planes of its samples, whose spacing does not count then.
+double asymmetry(const Points& samples, const Samples& surface, const VertexTree& tree, double radius,
+                 int axis) {
   constexpr double farthest = 0.5;  // chosen, × the radius: what has no image counts no more than this
   double least = farthest;
   const auto along = samples.col(axis);
@@ -64,7 +77,9 @@ double asymmetry(const Points& samples, const VertexTree& tree, double radius, i
     for (Eigen::Index i = 0; i < samples.rows(); ++i) {
       Eigen::RowVector3d image = samples.row(i);
       image[axis] = 2 * middle - image[axis];
-      sum += std::min(tree.nearest(image)->distance / radius, farthest);
+      const Index nearest = tree.nearest(image)->vertex;
+      const double distance = std::abs((image - surface.points.row(nearest)).dot(surface.normals.row(nearest)));
+      sum += std::min(distance / radius, farthest);
     }
     least = std::min(least, sum / static_cast<double>(samples.rows()));
   }
@@ -111,32 +126,61 @@ double base_share(const Points& samples, const Eigen::Vector3d& up, int axis) {
   return footprint > 0 ? hull_area(std::move(base)) / footprint : 0;
 }
 
+// Returns how far the uppermost samples lie from the middle of all, × the RMS radius.
+Eigen::Vector3d lean(const Points& samples, const Eigen::Vector3d& up, double radius) {
+  constexpr double upper = 0.7;  // chosen, × the height
+  const Eigen::VectorXd height = samples * up;
+  const double least = height.minCoeff() + upper * (height.maxCoeff() - height.minCoeff());
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  int count = 0;
+  for (Eigen::Index i = 0; i < samples.rows(); ++i)
+    if (height[i] >= least) sum += samples.row(i), ++count;
+  return ((sum / count - samples.colwise().mean()) / radius).transpose();
+}
+
 Eigen::Vector3d axis_direction(int direction) {
   return direction < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(direction))
                        : Eigen::Vector3d(-Eigen::Vector3d::Unit(direction - 3));
 }
 
-// Returns the evidence for each of the six directions to be up, and for each axis to run from side to side.
+// The evidence for each of the six directions to be up and for each axis to run from side to side, and where
+// the upper part leans with each of the six directions up.
 struct Evidence {
   std::array<double, 6> up{};
   std::array<double, 3> side{};
+  std::array<Eigen::Vector3d, 6> lean;
+
+  Evidence() { lean.fill(Eigen::Vector3d::Zero()); }
 };
 
 Evidence evidence_of(const Mesh& mesh) {
   Evidence evidence;
-  const Points samples = surface_samples(mesh);
+  const Points samples = surface_samples(mesh, sample_count).points;
   if (samples.rows() == 0) return evidence;
   const double radius =
       std::sqrt((samples.rowwise() - samples.colwise().mean()).rowwise().squaredNorm().mean());
   if (!(radius > 0)) return evidence;
-  std::vector<Index> all(samples.rows());
+  const Samples surface = surface_samples(mesh, surface_count);
+  std::vector<Index> all(surface.points.rows());
   std::iota(all.begin(), all.end(), Index{0});
-  const VertexTree tree(samples, std::move(all));
-  for (int axis = 0; axis < 3; ++axis)
-    evidence.side[axis] = -asymmetry_weight * asymmetry(samples, tree, radius, axis);
-  for (int k = 0; k < 6; ++k) evidence.up[k] = base_weight * base_share(samples, axis_direction(k), k % 3);
+  const VertexTree tree(surface.points, std::move(all));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double difference = asymmetry(samples, surface, tree, radius, axis);
+    evidence.side[axis] = exact_mirror * std::exp(-difference / exact_within) - asymmetry_weight * difference;
+  }
+  constexpr double most_open = 0.02;  // chosen; where a piece was cut off tells more of its lean than its shape
+  const bool is_whole = surface.opening_share() < most_open;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d up = axis_direction(k);
+    evidence.up[k] = base_weight * base_share(samples, up, k % 3);
+    if (is_whole) evidence.lean[k] = lean(samples, up, radius);
+  }
   return evidence;
 }
+
+// Returns the logarithm of the probability that one end of an axis is the front, rather than the other, by how
+// far the upper part leans to it.
+double log_forward(double lean) { return -std::log1p(std::exp(-2 * lean_weight * lean * std::abs(lean))); }
 
 bool follows_convention(int up, int front) { return (up == 1 && front == 2) || (up == 2 && front == 4); }
 
@@ -163,9 +207,10 @@ std::vector<OrientationGuess> guess_orientations(const Mesh& mesh) {
   for (int up = 0; up < 6; ++up)
     for (int front = 0; front < 6; ++front) {
       if (up % 3 == front % 3) continue;
+      const double forward = evidence.lean[up].dot(axis_direction(front));
       const double nats = (up == 1 || up == 2 ? usual_up : 0) +
                           (follows_convention(up, front) ? usual_front : 0) + evidence.up[up] +
-                          evidence.side[3 - up % 3 - front % 3];
+                          evidence.side[3 - up % 3 - front % 3] + log_forward(forward);
       guesses.push_back({{axis_direction(up), axis_direction(front)}, std::exp(nats)});
     }
   double sum = 0;

@@ -1,6 +1,8 @@
 #include <meshgraft/mesh/orientation.h>
 
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -10,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/samples/samples.h>
 
 namespace meshgraft {
 namespace {
@@ -72,6 +75,41 @@ TEST(Orientation, OfAnAnimalHasItsBackUpAndItsSideAcross) {
     for (std::size_t k = 1; k < guesses.size(); ++k)
       EXPECT_LE(guesses[k].probability, guesses[k - 1].probability);
   }
+}
+
+/// Returns the most probable front with z up of a sample that is turned by a number of quarter turns about z,
+/// as it would be without that turn.
+Vector front_of_turned(const char* sample, int quarters) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(quarters * std::numbers::pi / 2, Vector::UnitZ())
+                                   .toRotationMatrix()
+                                   .array()
+                                   .round()
+                                   .matrix();
+  Mesh mesh = make_sample(sample, 40);
+  mesh.positions = (mesh.positions * turn.transpose()).eval();
+  for (const OrientationGuess& guess : guess_orientations(mesh))
+    if (guess.orientation.up == Vector::UnitZ()) return turn.transpose() * guess.orientation.front;
+  return Vector::Zero();
+}
+
+TEST(Orientation, OfAnAnimalHasItsHeadInFrontHoweverItIsTurned) {
+  for (int quarters = 0; quarters < 4; ++quarters)
+    EXPECT_EQ(front_of_turned("dinosaur", quarters), -Vector::UnitX()) << quarters;
+}
+
+TEST(Orientation, LiesInTheMirrorPlaneHoweverTheModelIsTurned) {
+  for (const char* sample : {"bust", "head"})
+    for (int quarters = 0; quarters < 4; ++quarters)
+      EXPECT_EQ(std::abs(front_of_turned(sample, quarters).y()), 1) << sample << quarters;
+}
+
+TEST(Orientation, OfWhatHasNoFrontFollowsTheConvention) {
+  for (const char* sample : {"cylinder", "bar", "torus", "bracket"})
+    for (int quarters = 0; quarters < 4; ++quarters) {
+      const Vector usual =
+          Eigen::AngleAxisd(-quarters * std::numbers::pi / 2, Vector::UnitZ()) * -Vector::UnitY();
+      EXPECT_TRUE(front_of_turned(sample, quarters).isApprox(usual)) << sample << quarters;
+    }
 }
 
 TEST(Orientation, DoesNotDependOnScalePlaceAndTriangles) {

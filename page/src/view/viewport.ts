@@ -462,11 +462,15 @@ export class Viewport {
       if (this.replacement !== undefined) this.showReplacement(this.replacement);
       this.requestRender();
     });
+    let model = settings.model.value;
     effect(() => {
       settings.up.value;
       settings.front.value;
       settings.unit.value;
+      const was = this.navigation.upright;
       this.setUp();
+      if (model !== settings.model.value && was !== this.navigation.upright) this.fit("all", false);
+      model = settings.model.value;
       this.requestRender();
     });
   }

@@ -24,6 +24,13 @@ test("any side is made the front or the upper side at the view cube, and that is
     await page.getByRole("menuitem", { name: item }).click();
     await user.rests();
   };
+  /** Returns whether the model lies within the view. */
+  const isWhole = async () => {
+    const { width, height } = (await page.locator("canvas").boundingBox())!;
+    const count = await page.evaluate(() => window.meshgraft.viewport.main?.vertexCount ?? 0);
+    const places = await Promise.all(Array.from({ length: count }, (_, v) => user.screenOf(v)));
+    return places.every(([x, y]) => x >= 0 && y >= 0 && x <= width && y <= height);
+  };
   const start = await upright();
   expect(start).toEqual({ up: "z", front: "-y" });
   await user.press("3"); // from the right
@@ -43,6 +50,7 @@ test("any side is made the front or the upper side at the view cube, and that is
   expect(await upright()).toEqual(start);
   await open("bust");
   expect(await upright()).toEqual({ up: "x", front: "-z" });
+  expect(await isWhole()).toBe(true); // it is taller now than as it lay before
   await choose("As in the file");
   expect(await upright()).toEqual(start);
   expect(user.complaints).toEqual([]);
@@ -72,9 +80,9 @@ test("a model that faces sideways in its file is shown from its front, until the
   expect(await upright()).toEqual({ up: "z", front: "-x" });
   await openTurned("cylinder");
   expect(await upright()).toEqual({ up: "z", front: "-y" });
-  await openTurned("bust");
-  await user.press("1");
-  await user.press("3");
+  await user.page.evaluate((path) => window.meshgraft.editor.open({ do: "open", path }), folder.file("bust.obj"));
+  await user.opened();
+  await user.press("3"); // from the right
   await user.rests();
   await user.click("How the model stands");
   await user.page.getByRole("menuitem", { name: "This side is the front" }).click();
