@@ -87,6 +87,7 @@ test("a part at a loop gets a mirrored copy at the loop on the other side, or sa
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft != null);
   const report = await grafted(user);
   expect(report?.error).toBeUndefined();
+  expect(await page.getByText("no open loop where the mirrored copy would be").count()).toBe(0);
   expectMirrored(report?.transform ?? [], first ?? [], 2, middle, 0.05); // a degree of the head, although the vertices of the other end lie half an edge further
   await user.rests();
   await user.screenshot("graft-mirrored-loop");

@@ -6,6 +6,7 @@ import type { GraftFields } from "./graft_step";
 import { mirroredGraft } from "./mirrored_graft";
 
 type Step = DocumentState["steps"][number];
+const noLoop = "the model has no open loop where the mirrored copy would be";
 
 /** Returns the step of a graft that nothing follows. */
 export function latestGraft(state: DocumentState | null): Step | undefined {
@@ -35,10 +36,11 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
   const loopsOf = (mesh: number | undefined) => (graft.loops.value.get(mesh ?? -1) ?? []).map(({ curve }) => curve);
   const positionOf = (vertex: number) => surface.positionOf(vertex).toArray();
   const partLoops = loopsOf(graft.byName(fields.source ?? "")?.mesh);
+  for (const { key, told } of editor.messages.value) if (told.problem === noLoop) editor.dismiss(key);
   const mirrored = mirroredGraft({ fields, starts, places, loops: loopsOf(surface.id), partLoops, positionOf }, plane);
   if (mirrored === undefined)
     return editor.note(
-      "the model has no open loop where the mirrored copy would be",
+      noLoop,
       "",
       "Turn Symmetry on to choose the plane, or cut the model open there.",
     );
