@@ -1,5 +1,6 @@
+import { useLayoutEffect, useRef } from "preact/hooks";
 import type { Page } from "../app/page";
-import { printLines, type PrintLine, type PrintRemedy } from "../app/print_words";
+import { printLines, type PrintFinding, type PrintLine, type PrintRemedy } from "../app/print_words";
 import { CommandLabelButton } from "./command_button";
 import { Button } from "./ui/button";
 import { NumberField, Select } from "./ui/fields";
@@ -13,6 +14,12 @@ export function PrintPanel({ page }: { page: Page }) {
   const { printing, view } = page.editor;
   const unit = view.unit.value;
   const check = printing.result.value;
+  const list = useRef<HTMLUListElement>(null);
+  const asked = useRef(false);
+  useLayoutEffect(() => {
+    if (asked.current && check !== null) list.current?.scrollIntoView({ block: "nearest" });
+    asked.current = false;
+  }, [check]);
   const limits = { leastWall: printing.leastWall.value, overhangDeg: printing.overhangDeg.value, unit };
   return (
     <Section title="Print" hint="Checks the edited model or a part before you print it, and gives it its size and place.">
@@ -60,11 +67,14 @@ export function PrintPanel({ page }: { page: Page }) {
       <Button
         label={check === null ? "Check" : "Check again"}
         kind={check === null ? "primary" : "plain"}
-        onClick={() => void printing.check()}
+        onClick={() => {
+          asked.current = true;
+          void printing.check();
+        }}
       />
       {check === null && <p class="hint">Nothing is checked yet. Check finds holes, thin walls, overhangs and more, and shows where they are.</p>}
       {check !== null && (
-        <ul class="list defects" aria-label="Print check">
+        <ul ref={list} class="list defects" aria-label="Print check">
           {printLines(check, limits).map((line) => (
             <PrintRow key={line.words} page={page} line={line} />
           ))}
@@ -95,13 +105,19 @@ function CheckedObject({ page }: { page: Page }) {
 /** One line of a check, with where it is and a remedy. */
 function PrintRow({ page, line: { tone, words, finding, remedy } }: { page: Page; line: PrintLine }) {
   const { printing } = page.editor;
+  const row = useRef<HTMLLIElement>(null);
   const isShown = finding !== undefined && printing.isMarked(finding);
+  // A part is shown among the panels of grafts, which move this one.
+  const toggle = async (finding: PrintFinding) => {
+    await printing.toggle(finding);
+    row.current?.scrollIntoView({ block: "nearest" });
+  };
   return (
-    <li class={`print-${tone}`}>
+    <li ref={row} class={`print-${tone}`}>
       <Icon name={icons[tone]} size={14} />
       <span class="defect-words">{words}</span>
       {finding !== undefined && (
-        <Button label={isShown ? "Hide" : "Show"} kind="quiet" onClick={() => void printing.toggle(finding)} />
+        <Button label={isShown ? "Hide" : "Show"} kind="quiet" onClick={() => void toggle(finding)} />
       )}
       {remedy !== undefined && <RemedyButton page={page} remedy={remedy} />}
     </li>

@@ -1,4 +1,5 @@
 import { readFileSync } from "node:fs";
+import type { Locator } from "playwright-core";
 import { afterEach, expect, test } from "vitest";
 import { EditorHarness, run } from "./harness";
 
@@ -73,6 +74,12 @@ test("a part is checked by itself, and shown where it stands", async () => {
   await rows.first().getByRole("button", { name: "Show" }).click();
   await user.rests();
   expect(await page.evaluate(() => window.meshgraft.viewport.parts.shown().length)).toBe(1);
+  const isSeen = (row: Locator) =>
+    row.evaluate((row) => {
+      const { top, bottom } = row.getBoundingClientRect();
+      return top >= 0 && bottom <= innerHeight;
+    });
+  expect(await isSeen(rows.first())).toBe(true); // the list moved, as parts are shown among the panels of grafts
   await user.screenshot("print-part");
   await rows.first().getByRole("button", { name: "Close" }).click();
   await user.settle();

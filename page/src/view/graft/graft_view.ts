@@ -212,14 +212,14 @@ export class GraftView {
     this.ghost.show(source, this.group.matrix.clone().multiply(matrixOfRows(rows)));
   }
 
-  /** Frames everything when the shown objects change. A dropped part causes this only if it reaches out of the view. */
+  /** Frames everything when the shown objects change, or come back with the part out of the view. A dropped part causes this only if it reaches out of the view. */
   private frameIfNew(on: boolean, shows: ReadonlySet<number>): void {
     const { isBeingDropped, dragged, step } = this.graft;
     if (isBeingDropped.value !== null || dragged.value !== null) return;
     const there = [...shows].filter((mesh) => this.viewport.surfaceOf(mesh) !== undefined);
     const key = on ? `${there.sort().join()} ${this.preview?.surface.object.visible === true}` : "";
     if (key === this.framedKey) return;
-    const grew = this.framedKey !== "" || shows.size > 1;
+    const grew = this.framedKey !== "" || shows.size > 1 || !this.isPartInView();
     this.framedKey = key;
     if (step.value?.at !== undefined && this.isPartInView()) return;
     if (grew && this.viewport.main !== undefined) untracked(() => this.viewport.fit("all"));
