@@ -108,15 +108,17 @@ void PartLimbs::find_axes(const PartFields& fields, const Flags& given, const Fa
   for (Index v = 0; v < own; ++v)
     loads.row(v) << fields.areas()[v] * points.row(v), fields.areas()[v] * tensors.row(v);
   const Columns means = means_->solve(loads, tolerance_);
-  axes_ = moments_ = Points::Zero(count, 3);
+  axes_ = moments_ = rates_along_ = Points::Zero(count, 3);
   for (Index v = 0; v < own; ++v) {
     if (!unknown[v] || given[v]) continue;
-    const auto limb = limb_at(points.row(v), means.row(v));
+    const auto limb = limb_at(points.row(v), directions_.row(v), means.row(v));
     axes_.row(v) = limb.axis.transpose();
     moments_.row(v) = limb.moment.transpose();
+    rates_along_.row(v) = limb.direction.transpose();
   }
   part_.mesh.vertices.update(axes_);
   part_.mesh.vertices.update(moments_);
+  part_.mesh.vertices.update(rates_along_);
 }
 
 void PartLimbs::find_derivatives(const Flags& given, const Faces& faces) {
@@ -136,24 +138,23 @@ void PartLimbs::find_derivatives(const Flags& given, const Faces& faces) {
   const Columns means = means_->solve(tensors, tolerance_);
   along_axis_ = Eigen::VectorXd::Zero(own);
   for (Index v = 0; v < own; ++v) {
-    const Eigen::Vector3d axis = axes_.row(v).transpose();
-    along_axis_[v] = axis.dot(to_matrix(means.row(v)) * axis);
+    along_axis_[v] = along_direction(at(v), Tensor(means.row(v)));
   }
 }
 
 Columns PartLimbs::slopes(const Columns& fields) const {
   const Index own = part_.mesh.vertices.own();
   const Columns derivatives = multiply(derivatives_, fields, {.threads = 1});
-  Columns gradients(own, 3 * fields.cols());  // averaged, because the sign of t is arbitrary
+  Columns averaged(own, 4 * fields.cols());
   for (Index v = 0; v < own; ++v)
     for (Eigen::Index f = 0; f < fields.cols(); ++f)
-      gradients.block<1, 3>(v, 3 * f) = derivatives(v, f) * directions_.row(v);
-  const Columns means = means_->solve(gradients, tolerance_);
+      averaged.block<1, 4>(v, 4 * f) = averaged_derivative(at(v), directions_.row(v), derivatives(v, f));
+  const Columns means = means_->solve(averaged, tolerance_);
   Columns slopes = Columns::Zero(fields.rows(), fields.cols());
   for (Index v = 0; v < own; ++v) {
     if (!(along_axis_[v] > 0)) continue;
     for (Eigen::Index f = 0; f < fields.cols(); ++f)
-      slopes(v, f) = means.block<1, 3>(v, 3 * f).dot(axes_.row(v)) / along_axis_[v];
+      slopes(v, f) = along_direction(at(v), Eigen::RowVector4d(means.block<1, 4>(v, 4 * f))) / along_axis_[v];
   }
   part_.mesh.vertices.update(slopes);
   return slopes;

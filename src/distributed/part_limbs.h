@@ -16,8 +16,10 @@ class PartLimbs {
             double tolerance);
 
   bool empty() const { return !means_; }
-  LimbPoint at(Index v) const { return {axes_.row(v).transpose(), moments_.row(v).transpose()}; }
-  /// Returns the rates at which fields (local vertices × k) change per length along the axis.
+  LimbPoint at(Index v) const {
+    return {axes_.row(v).transpose(), moments_.row(v).transpose(), rates_along_.row(v).transpose()};
+  }
+  /// Returns the rates at which fields (local vertices × k) change per length along `direction`.
   Columns slopes(const Columns& fields) const;
 
  private:
@@ -29,7 +31,7 @@ class PartLimbs {
   const Communicator& comm_;
   const Part& part_;
   double tolerance_;
-  Points axes_, moments_, directions_;
+  Points axes_, moments_, rates_along_, directions_;
   std::optional<VertexSystem> means_;  ///< gives means along level lines
   SparseRows derivatives_;             ///< own rows
   Eigen::VectorXd along_axis_;

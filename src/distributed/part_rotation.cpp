@@ -99,7 +99,7 @@ bool PartRotation::blend(const std::vector<GivenTransform>& given, Blend& blende
     if (limbs_.empty()) continue;
     const LimbPoint at = limbs_.at(v);
     blended.stretch[v] += twist_shear(at, turn, slopes.row(v).transpose(), reference, blended.stretch[v]) *
-                          at.moment * at.axis.transpose();
+                          at.moment * at.direction.transpose();
   }
   return true;
 }

@@ -88,16 +88,77 @@ TEST(LimbTwist, FindsTheSlopeOfWholeSections) {
   }
 }
 
-TEST(LimbTwist, FindsNoLimbOnASheet) {
-  const test::TestMesh sheet = test::irregular_grid(30, 30);
-  const Eigen::RowVector3d centre = sheet.positions.colwise().mean();
-  const double size = sheet.box_diagonal();
-  Flags given(static_cast<std::size_t>(sheet.size()), 0);
-  for (Index v = 0; v < sheet.size(); ++v) {
-    const double distance = (sheet.positions.row(v) - centre).norm() / size;
-    given[v] = distance < 0.06 || distance > 0.3 ? 1 : 0;
+/// A flat sheet whose maps are given in a disc and beyond a circle. Its vertices in between are free.
+struct DiscInSheet {
+  test::TestMesh mesh = test::irregular_grid(40, 40);
+  Eigen::RowVector3d centre = mesh.positions.colwise().mean();
+  std::vector<Index> disc, border, free;
+  Flags given = Flags(static_cast<std::size_t>(mesh.size()), 0);
+
+  DiscInSheet() {
+    mesh.positions.col(2).setConstant(centre[2]);
+    for (Index v = 0; v < mesh.size(); ++v) {
+      const double distance = (mesh.positions.row(v) - centre).norm() / mesh.box_diagonal();
+      (distance < 0.07 ? disc : distance > 0.32 ? border : free).push_back(v);
+      given[v] = distance < 0.07 || distance > 0.32 ? 1 : 0;
+    }
   }
-  EXPECT_TRUE(limbs_of(sheet, given).empty());
+};
+
+TEST(LimbTwist, FindsAxisAndCentreOfADisc) {
+  const DiscInSheet sheet;
+  const LimbTwist limbs = limbs_of(sheet.mesh, sheet.given);
+  ASSERT_FALSE(limbs.empty());
+  Columns turns(sheet.mesh.size(), 1);  // in proportion to the distance from the centre
+  for (Index v = 0; v < sheet.mesh.size(); ++v)
+    turns(v, 0) = 0.3 * (sheet.mesh.positions.row(v) - sheet.centre).norm();
+  const Columns slopes = limbs.slopes(turns, {});
+  for (const Index v : sheet.free) {
+    const LimbPoint at = limbs.at(v);
+    const Eigen::Vector3d offset = (sheet.mesh.positions.row(v) - sheet.centre).transpose();
+    EXPECT_TRUE(is_on_disc(at));
+    EXPECT_GT(std::abs(at.axis[2]), 1 - 1e-9);
+    EXPECT_GT(at.direction.dot(offset.normalized()), 0.9);
+    EXPECT_LT((at.moment - at.axis.cross(offset)).norm(), 0.05 * offset.norm());
+    EXPECT_NEAR(slopes(v, 0), 0.3, 0.03);
+  }
+}
+
+TEST(LimbTwist, OfADiscFoldsNothingUpToAHalfTurn) {
+  const DiscInSheet sheet;
+  Region region{.whole = true, .fixed = sheet.border};
+  region.handles.push_back({.name = "disc", .vertices = sheet.disc});
+  const Deformer deformer(sheet.mesh.positions, sheet.mesh.triangles, region);
+  for (const auto& [degrees, most_flipped] :
+       {std::pair{60.0, 0.0}, {120.0, 0.001}, {-150.0, 0.005}, {180.0, 0.02}}) {
+    HandleMotion motion;
+    motion.axis = Eigen::Vector3d::UnitZ();
+    motion.angle_deg = degrees;
+    const HandlePose pose = make_pose(motion, sheet.centre.transpose());
+    const Points turned = deformer.evaluate(std::span(&pose, 1));
+    const Quality quality = measure_quality({sheet.mesh.positions, turned, sheet.mesh.triangles, sheet.free});
+    EXPECT_LE(static_cast<double>(quality.flipped_faces),
+              most_flipped * static_cast<double>(sheet.mesh.triangles.rows()))
+        << degrees;
+    // Circles around the centre stay round.
+    for (const Index v : sheet.free)
+      EXPECT_NEAR((turned.row(v) - sheet.centre).norm(), (sheet.mesh.positions.row(v) - sheet.centre).norm(),
+                  0.05 * sheet.mesh.box_diagonal())
+          << degrees;
+  }
+}
+
+TEST(LimbTwist, OfADiscServesTurnsInItsPlaneAlone) {
+  const DiscInSheet sheet;
+  const LimbTwist limbs = limbs_of(sheet.mesh, sheet.given);
+  const Eigen::Matrix3d rest = Eigen::Matrix3d::Identity();
+  for (const Index v : sheet.free) {
+    const LimbPoint at = limbs.at(v);
+    EXPECT_TRUE(
+        twist_shear(at, Eigen::Vector3d::UnitX(), 0.4 * Eigen::Vector3d::UnitX(), rest, rest).isZero(1e-12));
+    EXPECT_GT(twist_shear(at, Eigen::Vector3d::UnitZ(), 0.4 * Eigen::Vector3d::UnitZ(), rest, rest).norm(),
+              0.1);
+  }
 }
 
 TEST(LimbTwist, FindsTheAxisBetweenManyHandles) {

@@ -10,6 +10,7 @@
 #include "deform/solve/rotations.h"
 #include "linalg/sparse.h"
 #include "surface_samples.h"
+#include "winding.h"
 
 namespace meshgraft {
 
@@ -54,6 +55,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   context.step("reduce", 0);
   spread_logs(context);
   choose_samples(centres, samples, context);
+  choose_winding();
   spread_samples(options.backend, context);
   context.throw_if_stopped();
   if (iterations_ > 0) reduce_smoothing(context);
@@ -117,6 +119,22 @@ void ReducedField::spread_logs(const Context& context) {
   blend_weights_ = fields.spread(given_, context);
 }
 
+/// Chooses the handles with winding functions, and how many each has. The weights χ of all handles add up to 1
+/// where no map is given without a handle; one of them then says nothing that the others do not.
+void ReducedField::choose_winding() {
+  winding_handles_.clear();
+  if (samples_.size() == centres_.size()) return;  // centres are all that is known of the field
+  for (std::size_t h = 0; h < handle_count_; ++h)
+    if (gives_maps_[h]) winding_handles_.push_back(static_cast<Index>(h));
+  if (!from_rest_ && !winding_handles_.empty()) winding_handles_.pop_back();
+  // 14 are within 1e-4 up to two full turns. All handles together have at most half as many as there are
+  // centres.
+  constexpr int most = 14, fewest = 2;
+  const auto handles = std::max<std::size_t>(1, winding_handles_.size());
+  winding_degree_ = std::clamp(static_cast<int>(centres_.size() / (2 * handles)), fewest, most);
+  winding_count_ = winding_handles_.size() * static_cast<std::size_t>(winding_degree_);
+}
+
 /// Computes the weights φ, and the means and values of χ and φ that frames need.
 void ReducedField::spread_samples(SolverBackend backend, const Context& context) {
   const Patch& patch = system_->patch();
@@ -134,23 +152,46 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   const FieldSurface surface = field_surface(*system_);
   const SurfaceFields around_centres(surface, known, rotations_->fields().bending(),
                                      {.bending_length_rel = {}, .backend = backend}, context);
-  Columns weights = around_centres.spread(values, context);
+  const Columns spread = around_centres.spread(values, context);
   values = {};  // to free a gigabyte takes long, too
   context.throw_if_stopped();
-  centre_weights_.resize(weights.rows(), centre_count);
-  given_weights_.resize(weights.rows(), given_.cols());
-  for_rows(weights.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
-    centre_weights_.middleRows(first, count) = weights.block(first, 0, count, centre_count);
-    given_weights_.middleRows(first, count) = weights.block(first, centre_count, count, given_.cols());
+  given_weights_.resize(spread.rows(), given_.cols());
+  for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
+    given_weights_.middleRows(first, count) = spread.block(first, centre_count, count, given_.cols());
   });
-  weights = {};
-  context.throw_if_stopped();
-  interpolation_ = cell_means(centre_weights_, 1, context);
+  cell_influence_ = cell_means(blend_weights_, 1, context);
+  sample_influence_ = blend_weights_(samples_, Eigen::all);
+  sample_given_ = given_weights_(samples_, Eigen::all);
+  join_winding(spread.leftCols(centre_count), context);
+  interpolation_ = cell_means(weights_, 1, context).leftCols(centre_count);
   centre_areas_ =
       interpolation_.transpose() * Eigen::Map<const Eigen::VectorXd>(areas_.data(), interpolation_.rows());
-  cell_influence_ = cell_means(blend_weights_, 1, context);
-  centre_influence_.resize(centre_count, given_.cols());
-  for (Eigen::Index k = 0; k < centre_count; ++k) centre_influence_.row(k) = blend_weights_.row(centres_[k]);
+}
+
+/// Returns the winding functions of χ, patch × functions.
+Columns ReducedField::winding_weights() const {
+  return winding_functions(blend_weights_(Eigen::all, winding_handles_), winding_degree_);
+}
+
+/// Makes the functions of centres and the winding functions beside them. Those are functions of χ, less what
+/// centres and given maps already represent, so that they are 0 there.
+void ReducedField::join_winding(const Eigen::Ref<const Columns>& of_centres, const Context& context) {
+  const Eigen::Index centre_count = of_centres.cols();
+  const Columns winding = winding_weights();
+  const Columns at_centres = winding(centres_, Eigen::all);
+  // 1 where the handle gives the map, 0 where others do.
+  const Columns own = Columns::Identity(given_.cols(), given_.cols());
+  const Columns at_handles = winding_functions(own(Eigen::all, winding_handles_), winding_degree_);
+  weights_.resize(of_centres.rows(), centre_count + winding.cols());
+  for_rows(weights_.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
+    const auto centres = of_centres.middleRows(first, count);
+    weights_.block(first, 0, count, centre_count) = centres;
+    weights_.block(first, centre_count, count, winding.cols()) =
+        winding.middleRows(first, count) - centres * at_centres -
+        given_weights_.middleRows(first, count) * at_handles;
+  });
+  sample_weights_ = weights_(samples_, Eigen::seqN(0, centre_count));
+  winding_fit_ = fit_functions(weights_(samples_, Eigen::lastN(winding.cols())), areas_);
 }
 
 /// Reduces smoothing to the samples: smooth(f)(c) = Σ_v g_c(v) a_v f(v), where g_c is the smoothed unit
@@ -206,8 +247,7 @@ void ReducedField::fit_loose_components() {
     fits_.back() = handle_points.completeOrthogonalDecomposition().solve(moves);
   }
   const auto loose = [&](Index v) { return number[fields.component()[v]]; };
-  std::transform(centres_.begin(), centres_.end(), std::back_inserter(centre_component_), loose);
-  std::transform(samples_.begin(), samples_.end(), std::back_inserter(cell_component_), loose);
+  std::transform(samples_.begin(), samples_.end(), std::back_inserter(sample_component_), loose);
 }
 
 /// Samples what the strain of twists needs at centres and cells.
@@ -215,27 +255,39 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   const LimbTwist& limbs = rotations_->limbs();
   const FieldSurface surface = field_surface(*system_);
   Flags at_centres(system_->mask().transform.size(), 0);
-  Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(centres_.size()));
-  for (std::size_t k = 0; k < centres_.size(); ++k) {
-    values(centres_[k], static_cast<Eigen::Index>(k)) = 1;
-    at_centres[centres_[k]] = 1;
+  // The rate of a twist is a mean over sections, and changes little along a limb.
+  constexpr std::size_t centres_per_twist_centre = 4;  // chosen: 16 are off by twice as much on discs
+  twist_centre_count_ = std::max<std::size_t>(1, centres_.size() / centres_per_twist_centre);
+  if (winding_count_ == 0) twist_centre_count_ = centres_.size();
+  const std::span<const Index> centres(centres_.data(), twist_centre_count_);
+  Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(centres.size()));
+  for (std::size_t k = 0; k < centres.size(); ++k) {
+    values(centres[k], static_cast<Eigen::Index>(k)) = 1;
+    at_centres[centres[k]] = 1;
   }
   // Another system's bending matrix would be wrong where a shared patch is larger.
   const auto bending = std::make_shared<const BendingMatrix>(surface, context);
   const SurfaceFields beyond_centres(surface, at_centres, bending,
                                      {.bending_length_rel = {}, .backend = backend}, context);
-  twist_weights_ = beyond_centres.spread(values, context);
+  const Columns spread = beyond_centres.spread(values, context), winding = winding_weights();
+  twist_weights_.resize(spread.rows(), spread.cols() + winding.cols());
+  for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
+    twist_weights_.middleRows(first, count) << spread.middleRows(first, count),
+        winding.middleRows(first, count);
+  });
+  std::vector<double> strained(samples_.size());
+  for (std::size_t s = 0; s < samples_.size(); ++s)
+    strained[s] = areas_[s] * limbs.at(samples_[s]).moment.squaredNorm();
+  twist_fit_ = fit_functions(twist_weights_(samples_, Eigen::all), strained);
   const Columns slopes = limbs.slopes(blend_weights_, context);
-  for (const Index v : samples_) cell_limbs_.push_back(limbs.at(v));
-  centre_limbs_.assign(cell_limbs_.begin(), cell_limbs_.begin() + static_cast<std::ptrdiff_t>(centres_.size()));
-  centre_slopes_ = slopes(centres_, Eigen::all);
-  cell_slopes_ = slopes(samples_, Eigen::all);
+  for (const Index v : samples_) sample_limbs_.push_back(limbs.at(v));
+  sample_slopes_ = slopes(samples_, Eigen::all);
   cell_strains_.assign(samples_.size(), Eigen::Matrix3d::Zero());
   const std::vector<double>& areas = rotations_->fields().areas();
   for (std::size_t v = 0; v < cell_.size(); ++v)
     if (const auto row = static_cast<Eigen::Index>(v); cell_[v] >= 0)
       cell_strains_[cell_[v]] +=
-          areas[v] / areas_[cell_[v]] * limbs.at(row).moment * limbs.at(row).axis.transpose();
+          areas[v] / areas_[cell_[v]] * limbs.at(row).moment * limbs.at(row).direction.transpose();
 }
 
 /// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.
@@ -291,7 +343,7 @@ void ReducedField::finish() {
   rotations_ = nullptr;
   handles_ = {};
   cell_ = {};
-  given_ = centre_weights_ = twist_weights_ = given_weights_ = blend_weights_ = {};
+  given_ = weights_ = twist_weights_ = given_weights_ = blend_weights_ = {};
 }
 
 /// Computes the logarithms; returns false if a transform has none. `RotationField::blend` does the same per
@@ -337,13 +389,13 @@ BlendedMap ReducedField::blend(const Logs& logs, Eigen::Index row, const Columns
   return {rotation_exp(log.head<3>().transpose()) * logs.reference, stretch_exp(log.tail<6>().transpose())};
 }
 
-/// Returns W of `twist_shear` at a centre or cell, 0 in a component without a given map.
+/// Returns W of `twist_shear` at a sample, 0 in a component without a given map.
 Eigen::Matrix3d ReducedField::shear_at(const Logs& logs, Eigen::Index row, const Columns& influence,
-                                       const Columns& slopes, const LimbPoint& at,
                                        const Eigen::Matrix3d& stretch) const {
   const auto turns = logs.handles.leftCols<3>();
-  const Eigen::RowVector3d turn = influence.row(row) * turns, slope = slopes.row(row) * turns;
-  return twist_shear(at, turn.transpose(), slope.transpose(), logs.reference, stretch);
+  const Eigen::RowVector3d turn = influence.row(row) * turns, slope = sample_slopes_.row(row) * turns;
+  return twist_shear(sample_limbs_[static_cast<std::size_t>(row)], turn.transpose(), slope.transpose(),
+                     logs.reference, stretch);
 }
 
 ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const PoseMatrix* frames,
@@ -361,26 +413,23 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
     return result;
   }
   result.coefficients.topRows(handle_rows) = pose_matrices;
-  std::vector<CentreMap> at_centres;
-  for (std::size_t k = 0; k < centres_.size(); ++k) {
+  std::vector<SampleMap> at_samples;
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
-    CentreMap map{blend(logs, row, centre_influence_, centre_component_[k])};
-    if (has_limbs())
-      map.shear = shear_at(logs, row, centre_influence_, centre_slopes_, centre_limbs_[k], map.blended.stretch);
-    at_centres.push_back(map);
+    SampleMap map{blend(logs, row, sample_influence_, sample_component_[k])};
+    if (has_limbs()) map.shear = shear_at(logs, row, sample_influence_, map.blended.stretch);
+    at_samples.push_back(map);
   }
-  set_field(at_centres, Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), result.coefficients);
+  set_field(at_samples, Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), result.coefficients);
   if (iterations_ == 0) return result;
   std::vector<BlendedMap> at_cells;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
     const auto row = static_cast<Eigen::Index>(s);
-    BlendedMap map = blend(logs, row, cell_influence_, cell_component_[s]);
-    if (has_limbs())
-      map.stretch +=
-          shear_at(logs, row, cell_influence_, cell_slopes_, cell_limbs_[s], map.stretch) * cell_strains_[s];
+    BlendedMap map = blend(logs, row, cell_influence_, sample_component_[s]);
+    if (has_limbs()) map.stretch += shear_at(logs, row, cell_influence_, map.stretch) * cell_strains_[s];
     at_cells.push_back(map);
   }
-  local_steps(at_centres, at_cells, result, context);
+  local_steps(at_samples, at_cells, result, context);
   return result;
 }
 
@@ -401,7 +450,7 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
 }
 
 /// Performs the steps of `RotationField::local_steps` on the samples.
-void ReducedField::local_steps(const std::vector<CentreMap>& at_centres,
+void ReducedField::local_steps(const std::vector<SampleMap>& at_samples,
                                const std::vector<BlendedMap>& at_cells, Result& result,
                                const Context& context) const {
   Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3);
@@ -423,7 +472,7 @@ void ReducedField::local_steps(const std::vector<CentreMap>& at_centres,
     parallel_blocks(samples_.size(), turn, context, 32);
     const Columns step = smoothing_ * raw - deviation;
     deviation = mixing.next(deviation, step);
-    set_field(at_centres, deviation, result.coefficients);
+    set_field(at_samples, deviation, result.coefficients);
     ++result.iterations;
 
     const Columns change = interpolation_ * step;
@@ -437,19 +486,37 @@ void ReducedField::local_steps(const std::vector<CentreMap>& at_centres,
   }
 }
 
-void ReducedField::set_field(const std::vector<CentreMap>& at_centres, const Columns& deviation,
+void ReducedField::set_field(const std::vector<SampleMap>& at_samples, const Columns& deviation,
                              Columns& coefficients) const {
-  const auto first = static_cast<Eigen::Index>(8 * handle_count_);
-  const auto first_twist = first + static_cast<Eigen::Index>(3 * at_centres.size());
-  for (std::size_t k = 0; k < at_centres.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    const BlendedMap& blended = at_centres[k].blended;
-    const Eigen::Matrix3d rotation = rotation_exp(deviation.row(row).transpose()) * blended.rotation;
-    coefficients.middleRows<3>(first + 3 * row) =
-        (rotation * blended.stretch - Eigen::Matrix3d::Identity()).transpose();
-    if (has_limbs())
-      coefficients.middleRows<3>(first_twist + 3 * row) = (rotation * at_centres[k].shear).transpose();
+  // (F − I)ᵀ and (R W)ᵀ at the samples, whose first ones are the centres
+  const auto centre_count = static_cast<Eigen::Index>(centres_.size()),
+             sample_count = static_cast<Eigen::Index>(samples_.size());
+  using Maps = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
+  Maps maps(sample_count, 9), shears(has_limbs() ? sample_count : 0, 9);
+  const Columns turns = sample_weights_ * deviation;
+  for (Eigen::Index row = 0; row < sample_count; ++row) {
+    const SampleMap& map = at_samples[static_cast<std::size_t>(row)];
+    const Eigen::Matrix3d rotation = rotation_exp(turns.row(row).transpose()) * map.blended.rotation;
+    // column-major, as the rows of the transposed matrix
+    Eigen::Map<Eigen::Matrix3d>(maps.row(row).data()) =
+        rotation * map.blended.stretch - Eigen::Matrix3d::Identity();
+    if (has_limbs()) Eigen::Map<Eigen::Matrix3d>(shears.row(row).data()) = rotation * map.shear;
   }
+  const auto set_rows = [&](Eigen::Index first, const Maps& values) {
+    for (Eigen::Index k = 0; k < values.rows(); ++k)
+      coefficients.middleRows<3>(first + 3 * k) =
+          Eigen::Map<const Eigen::Matrix3d>(values.row(k).data()).transpose();
+  };
+  const auto first = static_cast<Eigen::Index>(8 * handle_count_);
+  const auto first_twist = first + static_cast<Eigen::Index>(3 * function_count());
+  set_rows(first, maps.topRows(centre_count));
+  if (has_limbs()) set_rows(first_twist, twist_fit_ * shears);
+  if (winding_count_ == 0) return;
+  Maps given(static_cast<Eigen::Index>(handle_count_), 9);
+  for (Eigen::Index h = 0; h < given.rows(); ++h)
+    Eigen::Map<Eigen::Matrix3d>(given.row(h).data()) = coefficients.middleRows<3>(4 * h).transpose();
+  const Maps left = maps - sample_weights_ * maps.topRows(centre_count) - sample_given_ * given;
+  set_rows(first + 3 * centre_count, winding_fit_ * left);
 }
 
 }  // namespace meshgraft

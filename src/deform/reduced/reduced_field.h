@@ -20,18 +20,20 @@ namespace meshgraft {
 /// A solution is linear in `width()` rows of coefficients, three columns each:
 ///   4 per handle    its frame, if the field is blended by logarithms
 ///   4 per handle    its frame, if transforms are blended linearly
-///   3 per centre    (F − I)ᵀ at the centre, without the strain of twists
-///   3 per centre    (R W)ᵀ at the centre, for that strain (`twist_shear`), if the surface has limbs
-///   (`LimbTwist`)
-/// `handle_sides` and `centre_weights` give the right-hand sides of these rows. `set_maps` takes the maps
-/// that they cause.
+///   3 per function  (F − I)ᵀ, without the strain of twists
+///   3 per function  (R W)ᵀ, for that strain (`twist_shear`), if the surface has limbs (`LimbTwist`)
+/// The functions are one per centre, which is 1 there and 0 at all other centres, and the winding functions
+/// (`winding_weights`), which are 0 at all centres. `handle_sides` and `weights` give the right-hand sides of
+/// these rows. `set_maps` takes the maps that they cause.
 class ReducedField {
  public:
   ReducedField(const ConstrainedSystem& system, const RotationField& rotations, std::span<const Handle> handles,
                const DeformerOptions& options, Index centres, Index samples, const Context& context);
 
-  std::size_t width() const { return 8 * handle_count_ + (has_limbs() ? 6 : 3) * centre_count(); }
+  std::size_t width() const { return 8 * handle_count_ + 3 * (function_count() + twist_function_count()); }
   std::size_t centre_count() const { return centres_.size(); }
+  std::size_t function_count() const { return centres_.size() + winding_count_; }
+  std::size_t twist_function_count() const { return has_limbs() ? twist_centre_count_ + winding_count_ : 0; }
 
   /// The known values and field that give the right-hand sides of some rows.
   struct Columnwise {
@@ -41,10 +43,10 @@ class ReducedField {
   /// Returns the known values and field for a handle's four rows. Numbers from the handle count on select the
   /// linearly blended rows.
   Columnwise handle_sides(std::size_t number) const;
-  bool has_limbs() const { return !centre_limbs_.empty(); }
-  const LimbTwist& limbs() const { return rotations_->limbs(); }     ///< must not be called after `finish`
-  const Columns& centre_weights() const { return centre_weights_; }  ///< Returns φ, patch × centres.
-  const Columns& twist_weights() const { return twist_weights_; }    ///< Returns those of ω, patch × centres.
+  bool has_limbs() const { return !sample_limbs_.empty(); }
+  const LimbTwist& limbs() const { return rotations_->limbs(); }  ///< must not be called after `finish`
+  const Columns& weights() const { return weights_; }             ///< Returns the functions, patch × functions.
+  const Columns& twist_weights() const { return twist_weights_; }  ///< Returns those of the strain of twists.
   /// Returns means over cells of values with `rows_per_vertex` rows per vertex. `cell_mean_rows` returns the
   /// matrix that computes them.
   Columns cell_means(const Columns& values, int rows_per_vertex, const Context& context = {}) const;
@@ -66,53 +68,62 @@ class ReducedField {
 
  private:
   void spread_logs(const Context& context);
+  void choose_winding();
   void choose_samples(Index centres, Index samples, const Context& context);
   void spread_samples(SolverBackend backend, const Context& context);
+  Columns winding_weights() const;
+  void join_winding(const Eigen::Ref<const Columns>& of_centres, const Context& context);
   void reduce_smoothing(const Context& context);
   void fit_loose_components();
   void sample_limbs(SolverBackend backend, const Context& context);
   struct Logs;
   bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
   BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
-  Eigen::Matrix3d shear_at(const Logs& logs, Eigen::Index row, const Columns& influence, const Columns& slopes,
-                           const LimbPoint& at, const Eigen::Matrix3d& stretch) const;
+  Eigen::Matrix3d shear_at(const Logs& logs, Eigen::Index row, const Columns& influence,
+                           const Eigen::Matrix3d& stretch) const;
   Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
-  /// The map that the handles alone give at a centre, without the strain of twists.
-  struct CentreMap {
+  /// The map that the handles alone give at a sample, without the strain of twists.
+  struct SampleMap {
     BlendedMap blended;
     Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();  ///< W of `twist_shear`
   };
-  void local_steps(const std::vector<CentreMap>& at_centres, const std::vector<BlendedMap>& at_cells,
+  void local_steps(const std::vector<SampleMap>& at_samples, const std::vector<BlendedMap>& at_cells,
                    Result& result, const Context& context) const;
-  void set_field(const std::vector<CentreMap>& at_centres, const Columns& deviation,
+  void set_field(const std::vector<SampleMap>& at_samples, const Columns& deviation,
                  Columns& coefficients) const;
 
   // Used in the set-up only; null and empty afterwards.
   const ConstrainedSystem* system_;
   const RotationField* rotations_;
   std::span<const Handle> handles_;
-  std::vector<Index> cell_;  ///< per vertex of the patch: its cell, or -1 if its map is given
-  Columns given_;            ///< patch × handles: 1 where the handle gives the map
-  Columns
-      centre_weights_;  ///< φ: patch × centres, 1 at its centre and 0 at the others and where maps are given
-  /// The same for ω, which does not vanish where maps are given: patch × centres; empty without limbs.
+  std::vector<Index> winding_handles_;  ///< handles with winding functions
+  int winding_degree_ = 0;              ///< number of winding functions of each
+  std::vector<Index> cell_;             ///< per vertex of the patch: its cell, or -1 if its map is given
+  Columns given_;                       ///< patch × handles: 1 where the handle gives the map
+  /// Patch × functions. φ of a centre is 1 there and 0 at the others and where maps are given.
+  Columns weights_;
+  /// The same for the strain of twists. They do not vanish where maps are given. Empty without limbs.
   Columns twist_weights_;
   Columns given_weights_;  ///< φ: patch × handles, 1 where the handle gives the map and 0 at the centres
   Columns blend_weights_;  ///< χ: patch × handles, the same without centres: the blend of logarithms
 
   // Used by frames.
-  std::size_t handle_count_ = 0;
+  std::size_t handle_count_ = 0, winding_count_ = 0;
+  std::size_t twist_centre_count_ = 0;  ///< the first centres, which store the strain of twists
   int iterations_ = 0;
-  Flags gives_maps_;                      ///< per handle: it constrains transforms of the patch
-  std::vector<double> given_areas_;       ///< per handle: area of the vertices whose map it gives
-  bool from_rest_ = false;                ///< a map is known without a handle: rotations count from rest
-  std::vector<Index> centres_, samples_;  ///< vertices of the patch; the centres are the first samples
-  std::vector<Index> centre_component_, cell_component_;  ///< components without a given map, else -1
-  std::vector<Columns> fits_;                             ///< per such one: (M − I)ᵀ = fit (3 × 4H) · frames
-  Columns centre_influence_, cell_influence_;             ///< χ at centres, and its means over cells
+  Flags gives_maps_;                           ///< per handle: it constrains transforms of the patch
+  std::vector<double> given_areas_;            ///< per handle: area of the vertices whose map it gives
+  bool from_rest_ = false;                     ///< a map is known without a handle: rotations count from rest
+  std::vector<Index> centres_, samples_;       ///< vertices of the patch; the centres are the first samples
+  std::vector<Index> sample_component_;        ///< components without a given map, else -1
+  std::vector<Columns> fits_;                  ///< per such one: (M − I)ᵀ = fit (3 × 4H) · frames
+  Columns sample_influence_, cell_influence_;  ///< χ at samples, and its means over cells
+  Columns sample_weights_, sample_given_;      ///< φ of centres and of handles at samples
+  Eigen::MatrixXd winding_fit_;                ///< winding functions × samples
   // Empty without limbs.
-  std::vector<LimbPoint> centre_limbs_, cell_limbs_;
-  Columns centre_slopes_, cell_slopes_;        ///< derivatives of χ along t
+  std::vector<LimbPoint> sample_limbs_;
+  Columns sample_slopes_;                      ///< derivatives of χ along t
+  Eigen::MatrixXd twist_fit_;                  ///< twist functions × samples
   std::vector<Eigen::Matrix3d> cell_strains_;  ///< per cell: mean of s (a × r) tᵀ
   Columns interpolation_;                      ///< cells × centres: means of φ
   Columns smoothing_;                          ///< centres × cells: weights of the cells in the smoothed field

@@ -87,38 +87,39 @@ void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const
   }
   const SparseRows displacements = system.displacement_rows();
   const SparseRows maps = multiply(field->cell_mean_rows(3), system.map_rows(), context);
-  const auto centres = static_cast<Eigen::Index>(field->centre_count());
-  const double batches = field->has_limbs() ? 6 : 3;
+  const auto functions = static_cast<Eigen::Index>(field->function_count());
+  const double all = 3 * static_cast<double>(field->function_count() + field->twist_function_count());
   constexpr Eigen::Index at_once = 32;
-  // Solves for one column per centre, from the right-hand side that a number per vertex causes.
-  const auto solve_centres = [&](const SparseRows& sides, int batch) {
-    for (Eigen::Index first = 0; first < centres; first += at_once) {
-      context.step("reduce", (batch + static_cast<double>(first) / static_cast<double>(centres)) / batches);
-      const Columns& all_weights = batch < 3 ? field->centre_weights() : field->twist_weights();
-      const Columns weights = all_weights.middleCols(first, std::min(at_once, centres - first));
+  // Solves for one column per function, from the right-hand side that a number per vertex causes. The columns
+  // are first, first + 3, ….
+  const auto solve_functions = [&](const SparseRows& sides, const Columns& all_weights, Eigen::Index first) {
+    for (Eigen::Index begin = 0; begin < all_weights.cols(); begin += at_once) {
+      context.step("reduce", static_cast<double>(first / 3 * 3 + first % 3 * all_weights.cols() + begin) / all);
+      const Columns weights = all_weights.middleCols(begin, std::min(at_once, all_weights.cols() - begin));
       const Columns y = system.back_substitute(multiply(sides, weights, context), context);
-      const auto column = static_cast<std::size_t>(3 * (batch / 3 * centres + first) + batch % 3);
-      responses.set(8 * handles.size() + column, 3, multiply(displacements, y, context), context);
-      field->set_maps(8 * handles.size() + column, 3, multiply(maps, y, context));
+      const auto column = 8 * handles.size() + static_cast<std::size_t>(first + 3 * begin);
+      responses.set(column, 3, multiply(displacements, y, context), context);
+      field->set_maps(column, 3, multiply(maps, y, context));
     }
   };
   SparseRows twist_sides[3];
   for (int axis = 0; axis < 3; ++axis) {
     const SparseRows sides = system.field_rows(axis, coupling, context);
-    solve_centres(sides, axis);
+    solve_functions(sides, field->weights(), axis);
     if (!field->has_limbs()) continue;
-    // The strain of twists is t (R W m)ᵀ = Σ_k m_k t (row k of (R W)ᵀ).
+    // The strain of twists is b (R W m)ᵀ = Σ_k m_k b (row k of (R W)ᵀ).
     const LimbTwist& limbs = field->limbs();
     for (int m = 0; m < 3; ++m) {
       SparseRows part = sides;
       for (Eigen::Index k = 0; k < part.nonZeros(); ++k) {
         const int v = part.innerIndexPtr()[k];
-        part.valuePtr()[k] *= limbs.at(v).moment[m] * limbs.at(v).axis[axis];
+        part.valuePtr()[k] *= limbs.at(v).moment[m] * limbs.at(v).direction[axis];
       }
       take_over(twist_sides[m], axis == 0 ? std::move(part) : SparseRows(twist_sides[m] + part));
     }
   }
-  for (int m = 0; m < 3 && field->has_limbs(); ++m) solve_centres(twist_sides[m], 3 + m);
+  for (int m = 0; m < 3 && field->has_limbs(); ++m)
+    solve_functions(twist_sides[m], field->twist_weights(), 3 * functions + m);
 }
 
 /// Adds the displacements that anchors with targets cause while all handles rest.

@@ -35,6 +35,13 @@ inline double share_of_limb(double elongation) {
   return x * x * (3 - 2 * x);
 }
 
+/// Returns 1 on a disc and 0 where there is none, and a smooth ramp in between. `flatness` is 1 where t points
+/// in all directions of a plane, `outward` the cosine between t and the way from the centre.
+inline double share_of_disc(double flatness, double outward) {
+  const double x = std::clamp(outward / 0.4, 0.0, 1.0);
+  return share_of_limb(flatness) * x * x * (3 - 2 * x);
+}
+
 inline Tensor to_tensor(const Eigen::Matrix3d& m) {
   return {m(0, 0), m(1, 1), m(2, 2), m(1, 2), m(2, 0), m(0, 1)};
 }
@@ -121,16 +128,46 @@ inline Eigen::Vector3d stiffness_across(const Eigen::Vector3d& slopes, int corne
   return reach_of_means * free_area * area * slopes[corner] * slopes;
 }
 
-/// Returns the limb at a point from the means around it: those of position (3) and of t tᵀ (6).
+/// Returns the limb or disc at a point from t there (zero if unknown) and the means around it: those of
+/// position (3) and of t tᵀ (6). Along a level line of a limb t points one way, which is the axis. Around a
+/// disc it points in all directions of the plane that the axis stands on.
 template <class Row>
-LimbPoint limb_at(const Eigen::RowVector3d& point, const Row& means) {
+LimbPoint limb_at(const Eigen::RowVector3d& point, const Eigen::RowVector3d& t, const Row& means) {
+  LimbPoint at{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_matrix(means.template tail<6>()));
-  const double first = eigen.eigenvalues()[2], second = std::max(0.0, eigen.eigenvalues()[1]);
-  const double share = first > 1e-3 ? share_of_limb((first - second) / (first + second)) : 0;
-  if (share == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  const Eigen::Vector3d axis = eigen.eigenvectors().col(2);
+  const double first = eigen.eigenvalues()[2], second = std::max(0.0, eigen.eigenvalues()[1]),
+               third = std::max(0.0, eigen.eigenvalues()[0]);
+  if (!(first > 1e-3)) return at;
   const Eigen::Vector3d offset = (point - means.template head<3>()).transpose();
-  return {axis, share * axis.cross(offset)};
+  if (const double limb = share_of_limb((first - second) / (first + second)); limb > 0) {
+    at.axis = at.direction = eigen.eigenvectors().col(2);
+    at.moment = limb * at.axis.cross(offset);
+    return at;
+  }
+  const double outward = offset.dot(t.transpose()) / std::max(offset.norm(), 1e-300);
+  const double disc = share_of_disc((second - third) / first, std::abs(outward));
+  if (disc == 0) return at;
+  at.axis = eigen.eigenvectors().col(0);
+  at.direction = outward < 0 ? Eigen::Vector3d(-t.transpose()) : Eigen::Vector3d(t.transpose());
+  at.moment = disc * at.axis.cross(offset);
+  return at;
+}
+
+/// The derivative of a field along t at a vertex, as it is averaged along level lines. On a limb t has no sign,
+/// but the product with t does; on a disc t points away from the centre.
+inline Eigen::RowVector4d averaged_derivative(const LimbPoint& at, const Eigen::RowVector3d& t,
+                                              double derivative) {
+  const double outward = !is_on_disc(at) ? 0 : at.direction.dot(t.transpose()) < 0 ? -1 : 1;
+  return {derivative * t.x(), derivative * t.y(), derivative * t.z(), outward * derivative};
+}
+
+/// Returns the part of a mean (of `averaged_derivative`) along the direction in which rates are measured.
+inline double along_direction(const LimbPoint& at, const Eigen::RowVector4d& mean) {
+  return is_on_disc(at) ? mean[3] : mean.head<3>().dot(at.axis.transpose());
+}
+/// The same for a mean of t tᵀ.
+inline double along_direction(const LimbPoint& at, const Tensor& mean) {
+  return is_on_disc(at) ? mean.head<3>().sum() : at.axis.dot(to_matrix(mean) * at.axis);
 }
 
 /// Returns a matrix of zeros with an entry for each vertex and for each edge, in both directions.

@@ -19,8 +19,9 @@ namespace meshgraft {
 
 namespace {
 
-/// The strain fades where a twist would shear the surface by more: lines along the limb would grow by √5.
-constexpr double most_shear = 2;
+/// The strain fades where a twist would shear the surface by more. Lines along a limb would grow by √5, those
+/// from the centre of a disc by √10, which is a turn by 180° within five times the disc's radius.
+constexpr double most_shear_of_limbs = 2, most_shear_of_discs = 3;
 
 /// Returns one column of ones and zeros for each connected group of flagged vertices. Beyond a fixed number of
 /// columns, groups share them with either sign, so that neighbours still differ.
@@ -160,14 +161,15 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   });
   const Eigen::MatrixXd means = means_->solve(loads, context);
 
-  axes_ = moments_ = Points::Zero(surface.points.rows(), 3);
+  axes_ = moments_ = rates_along_ = Points::Zero(surface.points.rows(), 3);
   for_each(means.rows(), context, [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
     const Index v = vertices_[k];
     if (given[v]) return;
-    const LimbPoint limb = limb_at(surface.points.row(v), means.row(row));
+    const LimbPoint limb = limb_at(surface.points.row(v), directions_.row(v), means.row(row));
     axes_.row(v) = limb.axis.transpose();
     moments_.row(v) = limb.moment.transpose();
+    rates_along_.row(v) = limb.direction.transpose();
   });
 }
 
@@ -189,27 +191,30 @@ void LimbTwist::find_derivatives(const FieldSurface& surface, std::span<const st
   const Eigen::MatrixXd means = means_->solve(tensors(vertices_, Eigen::all), context);
   along_axis_ = Eigen::VectorXd::Zero(surface.points.rows());
   for (std::size_t k = 0; k < vertices_.size(); ++k) {
-    const Eigen::Vector3d axis = axes_.row(vertices_[k]).transpose();
-    along_axis_[vertices_[k]] = axis.dot(to_matrix(means.row(static_cast<Eigen::Index>(k))) * axis);
+    const Index v = vertices_[k];
+    along_axis_[v] = along_direction(at(v), Tensor(means.row(static_cast<Eigen::Index>(k))));
   }
 }
 
 Columns LimbTwist::slopes(const Columns& fields, const Context& context) const {
   const auto count = static_cast<Eigen::Index>(vertices_.size());
   const Columns derivatives = multiply(derivatives_, fields, context);
-  Eigen::MatrixXd gradients(count, 3 * fields.cols());  // averaged, because the sign of t is arbitrary
+  Eigen::MatrixXd averaged(count, 4 * fields.cols());
   for_each(count, context, [&](std::size_t k) {
     const Index v = vertices_[k];
     for (Eigen::Index f = 0; f < fields.cols(); ++f)
-      gradients.block<1, 3>(static_cast<Eigen::Index>(k), 3 * f) = derivatives(v, f) * directions_.row(v);
+      averaged.block<1, 4>(static_cast<Eigen::Index>(k), 4 * f) =
+          averaged_derivative(at(v), directions_.row(v), derivatives(v, f));
   });
-  const Eigen::MatrixXd means = means_->solve(gradients, context);
+  const Eigen::MatrixXd means = means_->solve(averaged, context);
   Columns slopes = Columns::Zero(fields.rows(), fields.cols());
   for_each(count, context, [&](std::size_t k) {
     const Index v = vertices_[k];
     if (!(along_axis_[v] > 0)) return;
     for (Eigen::Index f = 0; f < fields.cols(); ++f)
-      slopes(v, f) = means.block<1, 3>(static_cast<Eigen::Index>(k), 3 * f).dot(axes_.row(v)) / along_axis_[v];
+      slopes(v, f) =
+          along_direction(at(v), Eigen::RowVector4d(means.block<1, 4>(static_cast<Eigen::Index>(k), 4 * f))) /
+          along_axis_[v];
   });
   return slopes;
 }
@@ -218,11 +223,12 @@ Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, co
                             const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
   const Eigen::Vector3d axis = (stretch * at.axis).stableNormalized();
   const Eigen::Vector3d turning = reference.transpose() * (right_jacobian(turn) * slope);
-  const double all = turning.squaredNorm(), length = (stretch * at.axis).norm();
+  const double all = turning.squaredNorm(), length = (stretch * at.direction).norm();
   if (!(all > 0) || !(length > 0)) return Eigen::Matrix3d::Zero();
   // m × a is s r without its part along the axis.
   const Eigen::Matrix3d shear = -cross_matrix(axis) * stretch * cross_matrix(at.axis);
   const double rate = axis.dot(turning), share = rate * rate / all;
+  const double most_shear = is_on_disc(at) ? most_shear_of_discs : most_shear_of_limbs;
   const double sheared = rate * (shear * at.moment).norm() / length / most_shear, square = sheared * sheared;
   return share * share * rate / std::sqrt(1 + square * square) * shear;
 }

@@ -173,7 +173,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     if (limbs_.empty()) return;
     const LimbPoint at = limbs_.at(v);
     blended.stretch[v] += twist_shear(at, turn, slopes.row(v).transpose(), reference, blended.stretch[v]) *
-                          at.moment * at.axis.transpose();
+                          at.moment * at.direction.transpose();
   });
   return true;
 }
