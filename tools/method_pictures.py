@@ -78,6 +78,11 @@ STANDARD_TESTS = {
     "methods_bar": turn("bar", 0.4, 3.6, [0, 0, 1], 135, [0, 0, 2], ["--from", "1", "-0.6", "0.2"]),
     "methods_cactus": turn("cactus", 0.25, 2.45, [-1, 0, 0], 70, [0, 0, 1], ["--from", "1", "-0.5", "0.3"]),
 }
+# A disc turned within its sheet.
+DISC_TURNED = ("bumpy_plane", {
+    "fixed": {"minus": ["all", {"box": {"min": [-0.45, -0.45, -1], "max": [0.45, 0.45, 1]}}]},
+    "handles": [{"name": "disc", "select": {"sphere": {"centre": [0, 0, 0], "radius": 0.12}},
+                 "pose": {"rotate": {"axis": [0, 0, 1], "angle_deg": 150}}}]}, ["--from", "0.2", "-0.5", "1"])
 METHODS = "corotational,rotation-aware,ft05,yu-2004,arap-2007"
 
 
@@ -94,7 +99,7 @@ def comparison(program, out, sample, step, view):
 
 
 def main(program, folder):
-    for name, test in STANDARD_TESTS.items():
+    for name, test in (STANDARD_TESTS | {"methods_disc": DISC_TURNED}).items():
         comparison(program, Path(folder, name + ".png"), *test)
     with tempfile.TemporaryDirectory() as scratch:
         sheet = Path(scratch, "sheet.obj")
