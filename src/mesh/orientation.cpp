@@ -29,7 +29,8 @@ constexpr double asymmetry_weight = 32;  // per distance of mirrored samples fro
 constexpr double base_weight = 8.4;      // per share of the footprint that the base covers
 // Chosen: an exact mirror plane is made on purpose; a nearly exact one is found in round things, too.
 constexpr double exact_mirror = 3, exact_within = 0.01;
-constexpr double lean_weight = 8;  // chosen, per squared lean; animals hold their heads high and forward
+constexpr double lean_weight = 8;   // chosen, per squared lean; animals hold their heads high and forward
+constexpr double whole_weight = 2;  // chosen, × all evidence: closed models show more than pieces do
 
 struct Samples {
   Points points, normals;
@@ -149,6 +150,7 @@ struct Evidence {
   std::array<double, 6> up{};
   std::array<double, 3> side{};
   std::array<Eigen::Vector3d, 6> lean;
+  double weight = 1;  // of all evidence
 
   Evidence() { lean.fill(Eigen::Vector3d::Zero()); }
 };
@@ -170,6 +172,7 @@ Evidence evidence_of(const Mesh& mesh) {
   }
   constexpr double most_open = 0.02;  // chosen; where a piece was cut off tells more of its lean than its shape
   const bool is_whole = surface.opening_share() < most_open;
+  if (is_whole) evidence.weight = whole_weight;
   for (int k = 0; k < 6; ++k) {
     const Eigen::Vector3d up = axis_direction(k);
     evidence.up[k] = base_weight * base_share(samples, up, k % 3);
@@ -211,7 +214,7 @@ std::vector<OrientationGuess> guess_orientations(const Mesh& mesh) {
       const double nats = (up == 1 || up == 2 ? usual_up : 0) +
                           (follows_convention(up, front) ? usual_front : 0) + evidence.up[up] +
                           evidence.side[3 - up % 3 - front % 3] + log_forward(forward);
-      guesses.push_back({{axis_direction(up), axis_direction(front)}, std::exp(nats)});
+      guesses.push_back({{axis_direction(up), axis_direction(front)}, std::exp(evidence.weight * nats)});
     }
   double sum = 0;
   for (const OrientationGuess& guess : guesses) sum += guess.probability;

@@ -41,7 +41,7 @@ TEST(StartsOfAllModels, AreThoseThatAPersonWouldChoose) {
   print_rows("piece", alone);
   EXPECT_GE(whole["all"].right_first(), 0.9);
   EXPECT_GE(whole["all"].right_among_three(), 0.95);
-  EXPECT_LE(whole["all"].calibration_error(), 0.15);  // more often right than the probabilities say
+  EXPECT_LE(whole["all"].calibration_error(), 0.1);
   EXPECT_GE(alone["all"].right_first(), 0.55);
   EXPECT_GE(alone["all"].right_among_three(), 0.8);
   EXPECT_LE(alone["all"].calibration_error(), 0.1);
