@@ -48,7 +48,7 @@ PartLimbs::PartLimbs(const Communicator& comm, const Part& part, const PartField
   const Columns indicators = group_indicators(given);
   if (indicators.cols() < 2) return;  // all rotations are the same
   const Faces faces(comm, part, fields, fields.spread(indicators));
-  find_axes(fields, given, faces);
+  find_axes(fields, given, indicators, faces);
   if (!comm.any(!moments_.isZero(0))) {
     means_.reset();
     return;
@@ -77,7 +77,8 @@ Columns PartLimbs::group_indicators(const Flags& given) const {
   return indicators_of_groups(group, static_cast<Index>(all.size()));
 }
 
-void PartLimbs::find_axes(const PartFields& fields, const Flags& given, const Faces& faces) {
+void PartLimbs::find_axes(const PartFields& fields, const Flags& given, const Columns& indicators,
+                          const Faces& faces) {
   const Index count = part_.mesh.vertices.size(), own = part_.mesh.vertices.own();
   const auto& [points, triangles] = std::tie(part_.points, part_.mesh.triangles);
   SparseRows matrix = ring_matrix(part_.mesh.rings);
@@ -108,10 +109,20 @@ void PartLimbs::find_axes(const PartFields& fields, const Flags& given, const Fa
   for (Index v = 0; v < own; ++v)
     loads.row(v) << fields.areas()[v] * points.row(v), fields.areas()[v] * tensors.row(v);
   const Columns means = means_->solve(loads, tolerance_);
+  LabelValues of_own;  // of each component: 1 for each group that it has
+  for (Index v = 0; v < own; ++v)
+    if (unknown[v]) {
+      Eigen::VectorXd& groups =
+          of_own.try_emplace(fields.component()[v], Eigen::VectorXd::Zero(indicators.cols())).first->second;
+      groups = groups.cwiseMax(indicators.row(v).transpose().cwiseAbs());
+    }
+  const LabelValues groups = largest_by_label(comm_, of_own);
   axes_ = moments_ = rates_along_ = Points::Zero(count, 3);
   for (Index v = 0; v < own; ++v) {
     if (!unknown[v] || given[v]) continue;
-    const auto limb = limb_at(points.row(v), directions_.row(v), means.row(v));
+    const auto limb =
+        limb_at(points.row(v), directions_.row(v), means.row(v),
+                (groups.at(fields.component()[v]).array() > 0).count() <= most_groups_around_discs);
     axes_.row(v) = limb.axis.transpose();
     moments_.row(v) = limb.moment.transpose();
     rates_along_.row(v) = limb.direction.transpose();

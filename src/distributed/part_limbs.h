@@ -25,7 +25,7 @@ class PartLimbs {
  private:
   struct Faces;
   Columns group_indicators(const Flags& given) const;
-  void find_axes(const PartFields& fields, const Flags& given, const Faces& faces);
+  void find_axes(const PartFields& fields, const Flags& given, const Columns& indicators, const Faces& faces);
   void find_derivatives(const Flags& given, const Faces& faces);
 
   const Communicator& comm_;

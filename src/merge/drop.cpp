@@ -34,7 +34,7 @@ double relative_scale(const MergeResult& merge, double size) {
 /// Returns whether a graft turned inside out, or shrank, so that one whose boundary bends less may be better.
 /// With `MergeShape::similar` no source shrinks.
 bool bends_too_much(const MergeResult& merge, double size) {
-  constexpr double small = 0.7;  // chosen: half as far from 1 as what merge_notes.cpp calls shrunk
+  constexpr double small = 0.7;  // chosen: √0.5, where merge_notes.cpp calls 0.5 shrunk
   return merge.report.shape.inverted > 0 || relative_scale(merge, size) < small;
 }
 

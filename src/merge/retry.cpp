@@ -70,9 +70,10 @@ Variation combination(const OpenSettings& open, int number) {
   return variation;
 }
 
-/// Returns a combination of values near those of a variation, for the numbers 1, 2, … as above.
+/// Returns a combination of values near those of a variation. Those of the numbers 1, 2, … spread evenly, as
+/// those of `combination` do.
 Variation beside(const Variation& best, const OpenSettings& open, int number) {
-  // Chosen: about half the steps between the values that are tried one by one.
+  // Chosen: at most the steps between the values that are tried one by one.
   constexpr double largest_angle_deg = 15, largest_size = 1.15, largest_shift = 0.04;
   const auto between = [number](int base, double bound) {
     return bound * (2 * van_der_corput(number, base) - 1);

@@ -127,7 +127,7 @@ void ReducedField::choose_winding() {
   for (std::size_t h = 0; h < handle_count_; ++h)
     if (gives_maps_[h]) winding_handles_.push_back(static_cast<Index>(h));
   if (!from_rest_ && !winding_handles_.empty()) winding_handles_.pop_back();
-  // 14 are within 1e-4 up to two full turns. All handles together have at most half as many as there are
+  // 14 are within 0.001 up to two full turns. All handles together have at most half as many as there are
   // centres.
   constexpr int most = 14, fewest = 2;
   const auto handles = std::max<std::size_t>(1, winding_handles_.size());

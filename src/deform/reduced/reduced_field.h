@@ -43,6 +43,7 @@ class ReducedField {
   /// Returns the known values and field for a handle's four rows. Numbers from the handle count on select the
   /// linearly blended rows.
   Columnwise handle_sides(std::size_t number) const;
+  /// Returns whether the surface has limbs or discs.
   bool has_limbs() const { return !sample_limbs_.empty(); }
   const LimbTwist& limbs() const { return rotations_->limbs(); }  ///< must not be called after `finish`
   const Columns& weights() const { return weights_; }             ///< Returns the functions, patch × functions.
@@ -122,9 +123,9 @@ class ReducedField {
   Eigen::MatrixXd winding_fit_;                ///< winding functions × samples
   // Empty without limbs.
   std::vector<LimbPoint> sample_limbs_;
-  Columns sample_slopes_;                      ///< derivatives of χ along t
+  Columns sample_slopes_;                      ///< rates of χ along `LimbPoint::direction`
   Eigen::MatrixXd twist_fit_;                  ///< twist functions × samples
-  std::vector<Eigen::Matrix3d> cell_strains_;  ///< per cell: mean of s (a × r) tᵀ
+  std::vector<Eigen::Matrix3d> cell_strains_;  ///< per cell: mean of s (a × r) bᵀ
   Columns interpolation_;                      ///< cells × centres: means of φ
   Columns smoothing_;                          ///< centres × cells: weights of the cells in the smoothed field
   std::vector<double> areas_;                  ///< per cell

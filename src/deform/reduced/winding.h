@@ -12,7 +12,7 @@ namespace meshgraft {
 /// Returns functions of blend weights, rows × (columns × `degree`): for each column, polynomials of degree 1 to
 /// `degree` that are 0 where the weight is 0 (Chebyshev polynomials over 0 … 1). A rotation that grows with a
 /// weight is nearly a sum of them, even where it winds around several times between two centres: degree 14 is
-/// within 1e-4 up to two full turns.
+/// within 0.001 up to two full turns.
 Columns winding_functions(const Columns& weights, int degree);
 
 /// Returns the matrix (functions × samples) that fits values at samples by functions with the given values

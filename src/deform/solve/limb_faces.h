@@ -23,23 +23,29 @@ namespace meshgraft {
 /// A symmetric matrix as xx, yy, zz, yz, zx, xy.
 using Tensor = Eigen::Matrix<double, 1, 6>;
 
+/// Most groups of vertices with given maps in a component with discs. Level lines of the weights of more groups
+/// enclose now one and now several of them, so that they tell no centre.
+constexpr Index most_groups_around_discs = 2;
+
 /// Slopes whose square is below this, × the steepest one's, have no certain direction.
 constexpr double flattest = 1e-6;
 /// Means along level lines reach over √(this) × √(free area), so that they go all around.
 constexpr double reach_of_means = 1e4;
 
-/// Returns 0 on a sheet and 1 on a limb, and a smooth ramp in between. `elongation` is 1 where t points the
-/// same way all along a level line, as on a pipe, and 0 where it points in all directions of a plane.
-inline double share_of_limb(double elongation) {
-  const double x = std::clamp((elongation - 0.2) / 0.4, 0.0, 1.0);
+/// Returns a smooth ramp from 0 at `low` to 1 at `high`.
+inline double ramp(double value, double low, double high) {
+  const double x = std::clamp((value - low) / (high - low), 0.0, 1.0);
   return x * x * (3 - 2 * x);
 }
 
+/// Elongations from which on there is a limb, and of a limb for certain. The elongation is 1 where t points the
+/// same way all along a level line, as on a pipe, and 0 where it points in all directions of a plane.
+constexpr double least_elongation = 0.2, full_elongation = 0.6;
+
 /// Returns 1 on a disc and 0 where there is none, and a smooth ramp in between. `flatness` is 1 where t points
-/// in all directions of a plane, `outward` the cosine between t and the way from the centre.
-inline double share_of_disc(double flatness, double outward) {
-  const double x = std::clamp(outward / 0.4, 0.0, 1.0);
-  return share_of_limb(flatness) * x * x * (3 - 2 * x);
+/// in the directions of a plane, `outward` the cosine between t and the way from the centre.
+inline double share_of_disc(double elongation, double flatness, double outward) {
+  return (1 - ramp(elongation, 0, least_elongation)) * ramp(flatness, 0.2, 0.6) * ramp(outward, 0, 0.4);
 }
 
 inline Tensor to_tensor(const Eigen::Matrix3d& m) {
@@ -130,23 +136,26 @@ inline Eigen::Vector3d stiffness_across(const Eigen::Vector3d& slopes, int corne
 
 /// Returns the limb or disc at a point from t there (zero if unknown) and the means around it: those of
 /// position (3) and of t tᵀ (6). Along a level line of a limb t points one way, which is the axis. Around a
-/// disc it points in all directions of the plane that the axis stands on.
+/// disc it points in all directions of the plane that the axis stands on. Without `may_be_disc` there are limbs
+/// only.
 template <class Row>
-LimbPoint limb_at(const Eigen::RowVector3d& point, const Eigen::RowVector3d& t, const Row& means) {
+LimbPoint limb_at(const Eigen::RowVector3d& point, const Eigen::RowVector3d& t, const Row& means,
+                  bool may_be_disc) {
   LimbPoint at{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(to_matrix(means.template tail<6>()));
   const double first = eigen.eigenvalues()[2], second = std::max(0.0, eigen.eigenvalues()[1]),
                third = std::max(0.0, eigen.eigenvalues()[0]);
   if (!(first > 1e-3)) return at;
   const Eigen::Vector3d offset = (point - means.template head<3>()).transpose();
-  if (const double limb = share_of_limb((first - second) / (first + second)); limb > 0) {
+  const double elongation = (first - second) / (first + second);
+  if (elongation > least_elongation) {
     at.axis = at.direction = eigen.eigenvectors().col(2);
-    at.moment = limb * at.axis.cross(offset);
+    at.moment = ramp(elongation, least_elongation, full_elongation) * at.axis.cross(offset);
     return at;
   }
   const double outward = offset.dot(t.transpose()) / std::max(offset.norm(), 1e-300);
-  const double disc = share_of_disc((second - third) / first, std::abs(outward));
-  if (disc == 0) return at;
+  const double disc = share_of_disc(elongation, (second - third) / first, std::abs(outward));
+  if (disc == 0 || !may_be_disc) return at;
   at.axis = eigen.eigenvectors().col(0);
   at.direction = outward < 0 ? Eigen::Vector3d(-t.transpose()) : Eigen::Vector3d(t.transpose());
   at.moment = disc * at.axis.cross(offset);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -19,9 +20,18 @@ namespace meshgraft {
 
 namespace {
 
-/// The strain fades where a twist would shear the surface by more. Lines along a limb would grow by √5, those
-/// from the centre of a disc by √10, which is a turn by 180° within five times the disc's radius.
-constexpr double most_shear_of_limbs = 2, most_shear_of_discs = 3;
+/// Returns the share of the strain that is used where it shears the surface by a slope. It fades where lines
+/// along a limb would grow by more than √5, and lines from the centre of a disc by more than √10, which is a
+/// turn by 180° within five times the disc's radius. Discs that turn less than half as far need no strain: the
+/// sheet around them draws in a little instead, which stretches it less.
+double strain_share(bool is_on_disc, double slope) {
+  constexpr double most_on_limbs = 2, most_on_discs = 3, sufficient_on_discs = 1;
+  constexpr int steepness = 8;  // chosen: nothing folds from 90 to 180°, and turns by 60° are as without strain
+  const double fading = 1 / std::sqrt(1 + std::pow(slope / (is_on_disc ? most_on_discs : most_on_limbs), 4));
+  if (!is_on_disc) return fading;
+  const double excess = std::pow(slope / sufficient_on_discs, steepness);
+  return fading * excess / (1 + excess);
+}
 
 /// Returns one column of ones and zeros for each connected group of flagged vertices. Beyond a fixed number of
 /// columns, groups share them with either sign, so that neighbours still differ.
@@ -44,6 +54,17 @@ Columns group_indicators(const IndexLists& rings, std::span<const std::uint8_t> 
     ++count;
   }
   return indicators_of_groups(group, count);
+}
+
+/// Returns for each component whether it has so few groups that it may have discs.
+Flags components_with_discs(const SurfaceFields& fields, const Columns& indicators) {
+  std::vector<std::set<Eigen::Index>> groups(fields.constrained_components().size());
+  for (Eigen::Index v = 0; v < indicators.rows(); ++v)
+    for (Eigen::Index group = 0; group < indicators.cols(); ++group)
+      if (indicators(v, group) != 0) groups[fields.component()[static_cast<std::size_t>(v)]].insert(group);
+  Flags few;
+  for (const auto& set : groups) few.push_back(std::ssize(set) <= most_groups_around_discs);
+  return few;
 }
 
 template <class Body>
@@ -103,7 +124,7 @@ LimbTwist::LimbTwist(const FieldSurface& surface, const SurfaceFields& fields,
   if (indicators.cols() < 2) return;  // all rotations are the same
   const Faces faces(surface, fields, fields.spread(indicators, context), context);
   context.throw_if_stopped();
-  find_axes(surface, fields, given, faces, backend, context);
+  find_axes(surface, fields, given, indicators, faces, backend, context);
   if (moments_.isZero(0)) {
     *this = {};
     return;
@@ -115,8 +136,8 @@ LimbTwist::LimbTwist(const FieldSurface& surface, const SurfaceFields& fields,
 /// Finds the centre line and the axis at each vertex as means along level lines of the weights. The mean of a
 /// field is the solution of M f̄ + Λ K f̄ = M f, where K measures slopes across t only.
 void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fields,
-                          std::span<const std::uint8_t> given, const Faces& faces, SolverBackend backend,
-                          const Context& context) {
+                          std::span<const std::uint8_t> given, const Columns& indicators, const Faces& faces,
+                          SolverBackend backend, const Context& context) {
   const std::vector<double>& areas = fields.areas();
   const std::vector<Index>& component = fields.component();
   std::vector<double> free_areas(fields.constrained_components().size(), 0.0);
@@ -161,12 +182,14 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   });
   const Eigen::MatrixXd means = means_->solve(loads, context);
 
+  const Flags may_have_discs = components_with_discs(fields, indicators);
   axes_ = moments_ = rates_along_ = Points::Zero(surface.points.rows(), 3);
   for_each(means.rows(), context, [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
     const Index v = vertices_[k];
     if (given[v]) return;
-    const LimbPoint limb = limb_at(surface.points.row(v), directions_.row(v), means.row(row));
+    const LimbPoint limb =
+        limb_at(surface.points.row(v), directions_.row(v), means.row(row), may_have_discs[component[v]] != 0);
     axes_.row(v) = limb.axis.transpose();
     moments_.row(v) = limb.moment.transpose();
     rates_along_.row(v) = limb.direction.transpose();
@@ -228,9 +251,8 @@ Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, co
   // m × a is s r without its part along the axis.
   const Eigen::Matrix3d shear = -cross_matrix(axis) * stretch * cross_matrix(at.axis);
   const double rate = axis.dot(turning), share = rate * rate / all;
-  const double most_shear = is_on_disc(at) ? most_shear_of_discs : most_shear_of_limbs;
-  const double sheared = rate * (shear * at.moment).norm() / length / most_shear, square = sheared * sheared;
-  return share * share * rate / std::sqrt(1 + square * square) * shear;
+  const double sheared = rate * (shear * at.moment).norm() / length;
+  return share * share * rate * strain_share(is_on_disc(at), sheared) * shear;
 }
 
 }  // namespace meshgraft

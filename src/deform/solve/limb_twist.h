@@ -36,7 +36,7 @@ inline bool is_on_disc(const LimbPoint& at) { return at.direction != at.axis; }
 /// over the surface. The weights change in the direction t, along a limb or away from a disc, and are constant
 /// around either. Means along their level lines give the centre (or centre line) and the axis. On a limb, t
 /// points one way along a level line, which is the axis. Around a disc it points in all directions of a plane,
-/// which the axis is orthogonal to. On a cone between both the strain vanishes.
+/// which the axis is orthogonal to. On a cone between both, and around oblong discs, the strain vanishes.
 ///
 /// All of this depends on the surface at rest and on where maps are given, but not on a pose.
 class LimbTwist {
@@ -46,7 +46,7 @@ class LimbTwist {
   LimbTwist(const FieldSurface& surface, const SurfaceFields& fields, std::span<const std::uint8_t> given,
             SolverBackend backend, const Context& context);
 
-  /// Returns whether no vertex is on a limb. Other functions must then not be called.
+  /// Returns whether no vertex is on a limb or disc. Other functions must then not be called.
   bool empty() const { return axes_.rows() == 0; }
   LimbPoint at(Eigen::Index v) const {
     return {axes_.row(v).transpose(), moments_.row(v).transpose(), rates_along_.row(v).transpose()};
@@ -59,7 +59,7 @@ class LimbTwist {
  private:
   struct Faces;
   void find_axes(const FieldSurface& surface, const SurfaceFields& fields, std::span<const std::uint8_t> given,
-                 const Faces& faces, SolverBackend backend, const Context& context);
+                 const Columns& indicators, const Faces& faces, SolverBackend backend, const Context& context);
   void find_derivatives(const FieldSurface& surface, std::span<const std::uint8_t> given, const Faces& faces,
                         const Context& context);
 
@@ -71,13 +71,14 @@ class LimbTwist {
   Eigen::VectorXd along_axis_;                 ///< mean of (t · a)², or of 1 on discs, without given maps
 };
 
-/// Returns the 3×3 matrix W with which a point of a limb is strained: W m bᵀ, with m = s (a × r) and the
-/// direction b.
+/// Returns the 3×3 matrix W with which a point of a limb or disc is strained: W m bᵀ, with m = s (a × r) and
+/// the direction b.
 ///
 /// The blended map at the point is exp(turn) · reference · stretch, and `turn` changes by `slope` per length
 /// along b. The stretched axis is a′ ∥ U a, and ω is the part about it of the rate κ at which the
 /// rotation turns. Then W m = ω a′ × U r. Where sections bend as well, ω is multiplied by (ω/κ)⁴, so that the
-/// strain serves twists alone. It fades where it would shear the surface much.
+/// strain serves twists alone. It fades where it would shear the surface much, and on discs also where it would
+/// shear it little.
 Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
                             const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
 
