@@ -137,7 +137,7 @@ MergeResult merged(const test::RandomGraft& graft, const MergeOptions& options) 
   return merge_meshes(graft.target, graft.source, graft.pairs, options);
 }
 
-// A cactus on a bumpy plane, a neck on a cylinder's hole, a torus on a dinosaur's jaw.
+// A part of a head on another, a neck on a cylinder's hole, a torus on a dinosaur's jaw.
 class RetriedGraft : public testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(RetriedGraft, HasNoFaultsWhereTheFirstOneHas) {
@@ -160,7 +160,7 @@ TEST_P(RetriedGraft, HasNoFaultsWhereTheFirstOneHas) {
             retry.faults_before);
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RetriedGraft, testing::Values(24, 45, 41), testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Seeds, RetriedGraft, testing::Values(23, 45, 41), testing::PrintToStringParamName());
 
 TEST(Retry, LeavesWhatIsGiven) {
   test::RandomGraft graft = test::make_random_graft(45, test::GraftKind::found);
