@@ -13,6 +13,7 @@
 #include "drop_size.h"
 #include "merge/facts.h"
 #include "merge_conflict.h"
+#include "merge_notes.h"
 #include "open_base.h"
 #include "open_holes.h"
 
@@ -26,16 +27,11 @@ std::int64_t count_pairs(const Mesh& mesh, std::span<const Index> vertices, cons
 
 constexpr int most_size_tries = 3;
 
-/// Returns the scale of a grafted source, × the size that it was to have.
-double relative_scale(const MergeResult& merge, double size) {
-  return merge.report.shape.similarity.scale / size;
-}
-
 /// Returns whether a graft turned inside out, or shrank, so that one whose boundary bends less may be better.
 /// With `MergeShape::similar` no source shrinks.
-bool bends_too_much(const MergeResult& merge, double size) {
+bool bends_too_much(const MergeResult& merge, const MergeOptions& options) {
   constexpr double small = 0.7;  // chosen: √0.5, where merge_notes.cpp calls 0.5 shrunk
-  return merge.report.shape.inverted > 0 || relative_scale(merge, size) < small;
+  return merge.report.shape.inverted > 0 || relative_scale(merge.report, options) < small;
 }
 
 /// Returns whether a graft turned inside out less than another, or as much and is larger.
@@ -71,7 +67,7 @@ Trial graft_in_hole(OpenedHoles hole, const Mesh& source, const MergeOptions& as
   drop.merge = merge_meshes(trial.hole.target, source, pairs, drop.options, context);
   if (asked.normal_angle_deg == 0)
     for (const double angle_deg : {-45.0, -90.0}) {
-      if (!bends_too_much(drop.merge, trial.hole.size)) break;
+      if (!bends_too_much(drop.merge, drop.options)) break;
       MergeOptions options = drop.options;
       options.normal_angle_deg = angle_deg;
       MergeResult other = merge_meshes(trial.hole.target, source, pairs, options, context);

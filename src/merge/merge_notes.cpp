@@ -28,14 +28,6 @@ constexpr double pinched = 0.3;
 // Chosen: a source of half its size is not what was asked for.
 constexpr double shrunk = 0.5;
 
-/// Returns the source's scale relative to the given size, or to the least that one of its loops asks for.
-/// Returns 1 for a source whose pose is kept.
-double relative_scale(const MergeReport& report, const MergeOptions& options) {
-  if (options.pose == MergePose::keep || report.pairs.empty()) return 1;
-  const double of_loops = std::ranges::min(report.pairs, {}, &PairReport::size_ratio).size_ratio;
-  return report.shape.similarity.scale / options.size.value_or(of_loops);
-}
-
 /// Names the settings that differ from those of the first graft.
 std::string settings_of(const MergeReport& report) {
   const RetryReport& retry = report.retry;
@@ -69,6 +61,12 @@ void add_faults(const MergeReport& report, std::vector<Note>& notes) {
 }
 
 }  // namespace
+
+double relative_scale(const MergeReport& report, const MergeOptions& options) {
+  if (options.pose == MergePose::keep || report.pairs.empty()) return 1;
+  const double of_loops = std::ranges::min(report.pairs, {}, &PairReport::size_ratio).size_ratio;
+  return report.shape.similarity.scale / options.size.value_or(of_loops);
+}
 
 std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& options) {
   std::vector<Note> notes;

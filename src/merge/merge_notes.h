@@ -12,4 +12,8 @@ namespace meshgraft {
 /// know.
 std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& options);
 
+/// Returns the source's scale relative to the given size, or to the least that one of its loops asks for.
+/// Returns 1 for a source whose pose is kept.
+double relative_scale(const MergeReport& report, const MergeOptions& options);
+
 }  // namespace meshgraft

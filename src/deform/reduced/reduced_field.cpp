@@ -122,7 +122,6 @@ void ReducedField::spread_logs(const Context& context) {
 /// Chooses the handles with winding functions, and how many each has. The weights χ of all handles add up to 1
 /// where no map is given without a handle; one of them then says nothing that the others do not.
 void ReducedField::choose_winding() {
-  winding_handles_.clear();
   if (samples_.size() == centres_.size()) return;  // centres are all that is known of the field
   for (std::size_t h = 0; h < handle_count_; ++h)
     if (gives_maps_[h]) winding_handles_.push_back(static_cast<Index>(h));
