@@ -1,6 +1,7 @@
 #include "local_maps.h"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 
 #include <Eigen/Cholesky>
@@ -63,13 +64,27 @@ std::vector<Index> bare_stencil(Index vertex, std::span<const Index> ring) {
   return stencil;
 }
 
+/// Returns P Pᵀ of the stencil of vertex i: the vertex, its ring, and the apex if there is one. It is centred
+/// on the mean of the ring.
+Eigen::Matrix3d moments(Index vertex, const Points& points, std::span<const Index> ring, Index apex = -1) {
+  const Eigen::RowVector3d centre = mean_of(points, ring);
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  const auto add = [&](Index node) {
+    const Eigen::RowVector3d d = points.row(node) - centre;
+    sum += d.transpose() * d;
+  };
+  add(vertex);
+  for (const Index node : ring) add(node);
+  if (apex >= 0) add(apex);
+  return sum;
+}
+
 /// Returns the eigenvalues (ascending) and eigenvectors of P Pᵀ over the bare stencil. They measure flatness,
 /// and give a substitute for the normal at flat vertices whose faces give none.
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(Index vertex, const Points& points,
                                                       std::span<const Index> ring) {
-  const Centred rows = centred_rows(points, bare_stencil(vertex, ring), mean_of(points, ring));
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(Eigen::Matrix3d(rows.transpose() * rows));
+  solver.computeDirect(moments(vertex, points, ring));
   return solver;
 }
 
@@ -116,6 +131,73 @@ Centred fit_coefficients(const Stencil& stencil, const Eigen::JacobiSVD<Centred>
   for (std::size_t s = 0; s < stencil.ring.size(); ++s) h.row(static_cast<Eigen::Index>(s) + 1) -= share;
   return h;
 }
+
+/// The coefficients h_{i,s} of a node.
+struct FitEntry {
+  Index node;
+  Eigen::RowVector3d coefficients;
+};
+
+std::size_t stencil_size(Index vertex, const StencilNodes& nodes, std::span<const Index> ring) {
+  return 1 + ring.size() + (nodes.apex[vertex] >= 0 ? 1 : 0);
+}
+
+/// Computes (P Pᵀ)⁻¹ of the stencil that is not widened. Returns false where its condition number is above 10⁴,
+/// or the stencil spans no space.
+bool invert_moments(Index vertex, const StencilNodes& nodes, std::span<const Index> ring,
+                    Eigen::Matrix3d& inverse) {
+  constexpr double smallest_eigenvalue_rel = 1e-4;
+  if (stencil_size(vertex, nodes, ring) < 4) return false;
+  const Eigen::Matrix3d sum = moments(vertex, nodes.positions, ring, nodes.apex[vertex]);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  const Eigen::Vector3d& eigenvalues = solver.computeDirect(sum, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(eigenvalues[0] > smallest_eigenvalue_rel * eigenvalues[2])) return false;
+  inverse = sum.llt().solve(Eigen::Matrix3d::Identity());
+  return true;
+}
+
+/// Lists the fit (P Pᵀ)⁻¹ P of a stencil that is not widened, minus the share that centring removes, by
+/// ascending nodes.
+void list_fit(Index vertex, const StencilNodes& nodes, std::span<const Index> ring,
+              const Eigen::Matrix3d& inverse, std::vector<FitEntry>& entries) {
+  entries.clear();
+  const Eigen::RowVector3d centre = mean_of(nodes.positions, ring);
+  Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+  const auto add = [&](Index node) {
+    entries.push_back({node, (nodes.positions.row(node) - centre) * inverse});
+    sum += entries.back().coefficients;
+  };
+  const auto after = std::lower_bound(ring.begin(), ring.end(), vertex);
+  for (const Index node : std::span(ring.begin(), after)) add(node);
+  add(vertex);
+  for (const Index node : std::span(after, ring.end())) add(node);
+  if (nodes.apex[vertex] >= 0) add(nodes.apex[vertex]);
+  // X is also centred on the mean of the ring, so each ring node passes on its share of Σ_s h_s.
+  const Eigen::RowVector3d share = sum / static_cast<double>(ring.size());
+  for (std::size_t s = 0; s <= ring.size(); ++s)
+    if (entries[s].node != vertex) entries[s].coefficients -= share;
+}
+
+/// A fit by singular values, to a stencil that may be widened.
+struct WideFit {
+  Stencil stencil;
+  Centred coefficients;
+
+  WideFit(Index vertex, const StencilNodes& nodes, const IndexLists& rings) {
+    Eigen::JacobiSVD<Centred> svd;
+    stencil = spanning_stencil(vertex, nodes, rings, svd);
+    coefficients = fit_coefficients(stencil, svd);
+  }
+
+  /// Lists the coefficients by ascending nodes.
+  void list(std::vector<FitEntry>& entries) const {
+    entries.clear();
+    for (std::size_t s = 0; s < stencil.nodes.size(); ++s)
+      entries.push_back({stencil.nodes[s], coefficients.row(static_cast<Eigen::Index>(s))});
+    std::sort(entries.begin(), entries.end(),
+              [](const FitEntry& a, const FitEntry& b) { return a.node < b.node; });
+  }
+};
 
 /// Returns the place of a vertex's map minus the vertex.
 Eigen::Vector3d place_beside(const StencilSurface& surface, Index vertex) {
@@ -207,40 +289,39 @@ Points map_places(const StencilSurface& surface, const Context& context) {
 SparseRows local_map_operator(const StencilNodes& nodes, const IndexLists& rings, const ConstraintMask& mask,
                               const Context& context) {
   const Index n = rings.size();
-  std::vector<Stencil> stencils(n);
-  std::vector<Centred> coefficients(n);
+  std::vector<Eigen::Matrix3d> inverse(n);              // (P Pᵀ)⁻¹ where that is precise enough
+  std::vector<std::unique_ptr<const WideFit>> wide(n);  // elsewhere
+  std::vector<int> lengths(3 * static_cast<std::size_t>(n), 0);
   parallel_blocks(
       n,
       [&](std::size_t begin, std::size_t end) {
-        Eigen::JacobiSVD<Centred> svd;
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
           if (!mask.is_fitted(i) || rings[i].empty()) continue;
-          stencils[i] = spanning_stencil(i, nodes, rings, svd);
-          coefficients[i] = fit_coefficients(stencils[i], svd);
+          if (!invert_moments(i, nodes, rings[i], inverse[i]))
+            wide[i] = std::make_unique<const WideFit>(i, nodes, rings);
+          const std::size_t length = wide[i] ? wide[i]->stencil.nodes.size() : stencil_size(i, nodes, rings[i]);
+          std::fill_n(lengths.begin() + 3 * std::ptrdiff_t{i}, 3, static_cast<int>(length));
         }
       },
       context);
 
-  std::vector<int> lengths(3 * n);
-  for (Index i = 0; i < n; ++i)
-    for (int k = 0; k < 3; ++k) lengths[3 * i + k] = static_cast<int>(stencils[i].nodes.size());
   SparseRows H = rows_of_lengths(lengths, nodes.positions.rows());
   parallel_blocks(
       n,
       [&](std::size_t begin, std::size_t end) {
-        std::vector<Index> order;
+        std::vector<FitEntry> entries;
         for (auto i = static_cast<Index>(begin); i < static_cast<Index>(end); ++i) {
-          const std::vector<Index>& stencil = stencils[i].nodes;
-          order.resize(stencil.size());
-          std::iota(order.begin(), order.end(), 0);
-          std::sort(order.begin(), order.end(), [&](Index a, Index b) { return stencil[a] < stencil[b]; });
+          if (lengths[3 * static_cast<std::size_t>(i)] == 0) continue;
+          if (wide[i])
+            wide[i]->list(entries);
+          else
+            list_fit(i, nodes, rings[i], inverse[i], entries);
           int entry = H.outerIndexPtr()[3 * i];
-          for (int k = 0; k < 3; ++k) {
-            for (const Index s : order) {
-              H.innerIndexPtr()[entry] = stencil[s];
-              H.valuePtr()[entry++] = coefficients[i](s, k);
+          for (int k = 0; k < 3; ++k)
+            for (const FitEntry& fit : entries) {
+              H.innerIndexPtr()[entry] = fit.node;
+              H.valuePtr()[entry++] = fit.coefficients[k];
             }
-          }
         }
       },
       context);

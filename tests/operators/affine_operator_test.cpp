@@ -3,6 +3,8 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <Eigen/QR>
 
 #include <meshgraft/core/error.h>
 
@@ -90,6 +92,37 @@ TEST(LocalMaps, ReproduceAffineMapsWithoutConstants) {
         EXPECT_LT((m.middleRows<3>(3 * i) - B.transpose()).norm(), 1e-7)
             << mesh.name << " " << name_of(options) << " vertex " << i;
       }
+    }
+  }
+}
+
+TEST(LocalMaps, AreTheLeastSquaresFitToRingsOfAnyHeight) {
+  constexpr int ring = 6;
+  Triangles triangles(ring, 3);
+  for (int k = 0; k < ring; ++k) triangles.row(k) << 0, k + 1, (k + 1) % ring + 1;
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+  for (const double height : {1000.0, 170.0, 100.0, 10.0, 1.0, 0.1, 0.03, 0.01, 0.003, 1e-4, 1e-6}) {
+    Points points(ring + 1, 3);
+    points.row(0) << 0.1, 0, height;
+    for (int k = 0; k < ring; ++k)
+      points.row(k + 1) << std::cos(k * M_PI / 3), (1 + 0.1 * k) * std::sin(k * M_PI / 3),
+          0.2 * height * (k % 3);
+    points = (points * turn).eval();
+    for (const auto degenerate : {DegenerateTreatment::ft05_noise, DegenerateTreatment::apex}) {
+      const AffineOperator op(points, triangles, {.degenerate = degenerate, .flatness = 0});
+      const Points& nodes = op.nodes().positions;
+      std::vector<Index> stencil{0, 1, 2, 3, 4, 5, 6};
+      if (op.nodes().apex[0] >= 0) stencil.push_back(op.nodes().apex[0]);
+      const Columns x = Columns::Random(nodes.rows(), 3);
+      const auto centred = [&](const auto& values) {
+        Eigen::MatrixXd rows = values(stencil, Eigen::all);
+        const Eigen::RowVectorXd centre = rows.middleRows(1, ring).colwise().mean();
+        rows.rowwise() -= centre;
+        return rows;
+      };
+      const Eigen::MatrixXd fit = centred(nodes).completeOrthogonalDecomposition().solve(centred(x));
+      EXPECT_LT((multiply(op.H(), x).topRows<3>() - fit).norm(), 1e-8 * fit.norm()) << height;
     }
   }
 }
