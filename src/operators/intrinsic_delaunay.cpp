@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <compare>
+#include <numeric>
+#include <span>
 
 #include <Eigen/Geometry>
 
@@ -16,6 +18,30 @@ namespace {
 /// triangles of 1:16 reach the larger bound.
 constexpr double smallest_weight = 1e-3, largest_weight = 16;
 
+/// A half-edge, at its smaller end.
+struct HalfEdgeAt {
+  Index larger_end, half_edge;
+  friend auto operator<=>(const HalfEdgeAt&, const HalfEdgeAt&) = default;
+};
+
+/// Calls `body(vertex, half_edges)` for each vertex, ascending, with the half-edges whose smaller end it is.
+/// They ascend, so that those of one edge are neighbours.
+template <class Triangulation, class Body>
+void visit_half_edges(const Triangulation& surface, Index vertex_count, const Body& body) {
+  const auto smaller_end = [&](Index h) { return std::min(surface.start(h), surface.end(h)); };
+  std::vector<Index> begin(static_cast<std::size_t>(vertex_count) + 1, 0);
+  for (Index h = 0; h < surface.half_edges(); ++h) ++begin[smaller_end(h) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<HalfEdgeAt> sorted(surface.half_edges());
+  std::vector<Index> next(begin.begin(), begin.end() - 1);
+  for (Index h = 0; h < surface.half_edges(); ++h)
+    sorted[next[smaller_end(h)]++] = {std::max(surface.start(h), surface.end(h)), h};
+  for (Index v = 0; v < vertex_count; ++v) {
+    std::sort(sorted.begin() + begin[v], sorted.begin() + begin[v + 1]);
+    body(v, std::span<const HalfEdgeAt>(sorted.data() + begin[v], sorted.data() + begin[v + 1]));
+  }
+}
+
 /// A triangulation with lengths instead of positions. Half-edge 3t+k runs from corner k of triangle t to the
 /// next corner.
 class IntrinsicTriangulation {
@@ -25,7 +51,7 @@ class IntrinsicTriangulation {
       if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) start_.insert(start_.end(), {t[0], t[1], t[2]});
     length_.resize(start_.size());
     for (Index h = 0; h < half_edges(); ++h) length_[h] = (points.row(end(h)) - points.row(start_[h])).norm();
-    find_twins();
+    find_twins(static_cast<Index>(points.rows()));
     measure(points);
   }
 
@@ -61,21 +87,17 @@ class IntrinsicTriangulation {
  private:
   static Index next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
 
-  void find_twins() {
+  void find_twins(Index vertex_count) {
     twin_.assign(start_.size(), -1);
-    std::vector<std::pair<std::uint64_t, Index>> by_ends(start_.size());
-    for (Index h = 0; h < half_edges(); ++h) {
-      const auto [low, high] = std::minmax({start(h), end(h)});
-      by_ends[h] = {static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high), h};
-    }
-    std::sort(by_ends.begin(), by_ends.end());
-    for (std::size_t first = 0, last = 0; first < by_ends.size(); first = last) {
-      while (last < by_ends.size() && by_ends[last].first == by_ends[first].first) ++last;
-      const Index h = by_ends[first].second, g = by_ends[last - 1].second;
-      if (last - first != 2 || start(h) == start(g)) continue;
-      twin_[h] = g;
-      twin_[g] = h;
-    }
+    visit_half_edges(*this, vertex_count, [&](Index, std::span<const HalfEdgeAt> at) {
+      for (std::size_t first = 0, last = 0; first < at.size(); first = last) {
+        while (last < at.size() && at[last].larger_end == at[first].larger_end) ++last;
+        const Index h = at[first].half_edge, g = at[last - 1].half_edge;
+        if (last - first != 2 || start(h) == start(g)) continue;
+        twin_[h] = g;
+        twin_[g] = h;
+      }
+    });
   }
 
   /// Computes the cotangents. Those of triangles that need no mollification come from positions, because
@@ -189,21 +211,16 @@ IntrinsicEdges intrinsic_delaunay_edges(const Points& points, const Triangles& t
   IntrinsicEdges result;
   result.differ = surface.flip_to_delaunay(context) > 0 || surface.mollified();
   context.throw_if_stopped();
-  result.edges.reserve(surface.half_edges());
-  for (Index h = 0; h < surface.half_edges(); ++h) {
-    const auto [low, high] = std::minmax({surface.start(h), surface.end(h)});
-    if (low != high) result.edges.push_back({{low, high}, surface.cotangent(h) / 2});
-  }
-  std::sort(result.edges.begin(), result.edges.end(),
-            [](const CotangentEdge& a, const CotangentEdge& b) { return a.ends < b.ends; });
-  std::size_t kept = 0;
-  for (const CotangentEdge& edge : result.edges) {
-    if (kept > 0 && result.edges[kept - 1].ends == edge.ends)
-      result.edges[kept - 1].weight += edge.weight;
-    else
-      result.edges[kept++] = edge;
-  }
-  result.edges.resize(kept);
+  result.edges.reserve(surface.half_edges() / 2 + surface.half_edges() / 16);
+  const auto add_edges = [&](Index v, std::span<const HalfEdgeAt> half_edges) {
+    for (const auto& [larger_end, h] : half_edges) {
+      if (larger_end == v) continue;
+      if (result.edges.empty() || result.edges.back().ends != std::array{v, larger_end})
+        result.edges.push_back({{v, larger_end}, 0});
+      result.edges.back().weight += surface.cotangent(h) / 2;
+    }
+  };
+  visit_half_edges(surface, static_cast<Index>(points.rows()), add_edges);
   for (CotangentEdge& edge : result.edges)
     edge.weight = std::clamp(edge.weight, smallest_weight, largest_weight);
   return result;
