@@ -4,7 +4,9 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <tbb/enumerable_thread_specific.h>
@@ -13,6 +15,7 @@
 
 #include "core/parallel.h"
 #include "linalg/facts.h"
+#include "sparse.h"
 
 namespace meshgraft {
 
@@ -197,8 +200,8 @@ Matrix compress(ProductRows&& product, Eigen::Index rows, Eigen::Index columns, 
                     matrix.innerIndexPtr() + start);
           std::copy(product.block_values[block].begin(), product.block_values[block].end(),
                     matrix.valuePtr() + start);
-          product.block_columns[block] = {};
-          product.block_values[block] = {};
+          std::vector<int>().swap(product.block_columns[block]);
+          std::vector<double>().swap(product.block_values[block]);
         }
       },
       context, 16);
@@ -207,7 +210,74 @@ Matrix compress(ProductRows&& product, Eigen::Index rows, Eigen::Index columns, 
 
 }  // namespace
 
+namespace {
+
+/// Returns the column of the only entry in each row of b, or -1 in an empty row, if b selects columns: no row
+/// and no column has two entries.
+std::optional<std::vector<int>> selected_columns(const SparseRows& b) {
+  std::vector<int> column_of(b.rows(), -1);
+  Flags taken(b.cols(), 0);
+  for (Eigen::Index row = 0; row < b.rows(); ++row) {
+    const int begin = b.outerIndexPtr()[row], length = b.outerIndexPtr()[row + 1] - begin;
+    if (length > 1) return {};
+    if (length == 0) continue;
+    const int column = b.innerIndexPtr()[begin];
+    if (std::exchange(taken[column], std::uint8_t{1}) != 0) return {};
+    column_of[row] = column;
+  }
+  return column_of;
+}
+
+/// Computes a·b, where b has at most one entry in each row: the one in `column_of`.
+SparseRows multiply_selection(const SparseRows& a, const SparseRows& b, const std::vector<int>& column_of,
+                              const Context& context) {
+  struct Entry {
+    int column, from;
+  };
+  std::vector<int> lengths(a.rows());
+  parallel_blocks(
+      lengths.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+          const std::span<const int> columns = row_of(a, static_cast<Eigen::Index>(row)).columns;
+          lengths[row] = static_cast<int>(std::count_if(columns.begin(), columns.end(),
+                                                        [&](int column) { return column_of[column] >= 0; }));
+        }
+      },
+      context, 4096);
+  SparseRows product = rows_of_lengths(lengths, b.cols());
+  const Flags alike = rows_alike(a, context);
+  parallel_blocks(
+      lengths.size(),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<Entry> entries;  // of a row of a that keep a column, by their new columns
+        std::size_t alike_until = begin;
+        for (std::size_t row = begin; row < end; ++row) {
+          const auto [columns, values] = row_of(a, static_cast<Eigen::Index>(row));
+          if (row >= alike_until) {
+            alike_until = row + alike[row];
+            entries.clear();
+            for (std::size_t k = 0; k < columns.size(); ++k)
+              if (const int column = column_of[columns[k]]; column >= 0)
+                entries.push_back({column, static_cast<int>(k)});
+            std::sort(entries.begin(), entries.end(),
+                      [](const Entry& x, const Entry& y) { return x.column < y.column; });
+          }
+          int at = product.outerIndexPtr()[row];
+          for (const auto& [column, from] : entries) {
+            product.innerIndexPtr()[at] = column;
+            product.valuePtr()[at++] = values[from] * b.valuePtr()[b.outerIndexPtr()[columns[from]]];
+          }
+        }
+      },
+      context, 4096);
+  return product;
+}
+
+}  // namespace
+
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context) {
+  if (const auto column_of = selected_columns(b)) return multiply_selection(a, b, *column_of, context);
   const Factor right(b, context);
   const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
     add_product(row_of(a, row), right, 1, 0, sum);

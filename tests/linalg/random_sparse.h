@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -34,6 +35,23 @@ inline SparseRows uneven_rows(int rows, int columns, std::minstd_rand& generator
   return matrix;
 }
 
+/// Returns rows with at most one entry: every third is empty, the others take the columns in a shuffled order.
+/// With `repeat` two rows take the same column.
+inline SparseRows selection(int rows, int columns, bool repeat, std::minstd_rand& generator) {
+  std::vector<int> order(columns);
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), generator);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int row = 0; row < rows && !order.empty(); ++row) {
+    if (row % 3 == 2) continue;
+    entries.emplace_back(row, order.back(), row % 2 == 0 ? 1.0 : -2.5);
+    if (!repeat || row > 0) order.pop_back();
+  }
+  SparseRows matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
 /// Two matrices whose product exists.
 struct SparsePair {
   std::string name;
@@ -52,6 +70,9 @@ inline std::vector<SparsePair> sparse_families() {
       {"uneven", uneven_rows(90, 60, generator), uneven_rows(60, 110, generator)},
       {"tall", random_runs(900, 40, 1, generator), random_runs(40, 50, 2, generator)},
       {"wide", random_runs(40, 900, 1, generator), random_runs(900, 700, 3, generator)}};
+  for (const bool repeat : {false, true})
+    pairs.push_back({repeat ? "a column selected twice" : "columns selected",
+                     random_runs(600, 300, 3, generator), selection(300, 220, repeat, generator)});
   for (const int together : {1, 2, 3, 4, 5})
     pairs.push_back({"runs of " + std::to_string(together), random_runs(600, 300, together, generator),
                      random_runs(300, 150, together, generator)});
