@@ -10,4 +10,9 @@ std::unique_ptr<LinearSolver> make_multifrontal_solver();  // defined only if it
 std::unique_ptr<LinearSolver> make_eigen_solver();
 std::unique_ptr<LinearSolver> make_iterative_solver();
 
+/// Returns a solver with the analysis of `solver` and no factorisation, for another matrix of the same pattern.
+/// Returns null if its backend has no analysis to share.
+std::unique_ptr<LinearSolver> copy_analysis(const LinearSolver& solver);
+std::unique_ptr<LinearSolver> copy_multifrontal_analysis(const LinearSolver& solver);  // if it is built in
+
 }  // namespace meshgraft

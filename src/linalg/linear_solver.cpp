@@ -47,6 +47,14 @@ std::unique_ptr<LinearSolver> make_solver(SolverBackend backend) {
 #endif
 }
 
+std::unique_ptr<LinearSolver> copy_analysis([[maybe_unused]] const LinearSolver& solver) {
+#ifdef MESHGRAFT_HAS_MULTIFRONTAL
+  return copy_multifrontal_analysis(solver);
+#else
+  return nullptr;
+#endif
+}
+
 double one_norm(const NormalMatrix& lower) {
   Eigen::VectorXd column_sums = Eigen::VectorXd::Zero(lower.cols());
   for (Eigen::Index column = 0; column < lower.cols(); ++column) {

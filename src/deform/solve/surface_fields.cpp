@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/sparse_checks.h"
+#include "linalg/backends.h"
 #include "linalg/sparse.h"
 #include "operators/laplacian.h"
 #include "strip_width.h"
@@ -41,6 +42,15 @@ Eigen::MatrixXd negated(const Columns& values, const Context& context) {
       },
       context, rows_at_once);
   return result;
+}
+
+/// Returns the columns that are not zero in all of the rows.
+std::vector<Eigen::Index> columns_that_vary(const Columns& values, const std::vector<Index>& rows) {
+  std::vector<Eigen::Index> varying;
+  for (Eigen::Index column = 0; column < values.cols(); ++column)
+    if (std::any_of(rows.begin(), rows.end(), [&](Index v) { return values(v, column) != 0; }))
+      varying.push_back(column);
+  return varying;
 }
 
 /// Returns a millionth of the mean area of the vertices with a ring.
@@ -109,8 +119,12 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
       if (it.col() == free_[k]) it.valueRef() += areas_[free_[k]];
     }
   context.throw_if_stopped();
-  smooth_solver_ = factorise_vertices(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)},
-                                      options.backend, context);
+  if (spread_solver_ && spread_to_ == free_) smooth_solver_ = copy_analysis(*spread_solver_);
+  if (smooth_solver_)
+    factorise_vertices(smoothing, free_, *smooth_solver_, context);
+  else
+    smooth_solver_ = factorise_vertices(smoothing, {free_, &rings, bisection, points(free_, Eigen::all)},
+                                        options.backend, context);
 }
 
 /// Returns whether areas raised to `smallest` are those of the bending matrix.
@@ -234,11 +248,15 @@ Columns SurfaceFields::spread(const Columns& values, const Context& context) con
     const Index v = given_[k];
     differences.row(v) = values.row(v) - means.row(component_[v]);
   });
-  for (int pass = 0; pass < 2; ++pass) {  // the second pass corrects with the residual of the first
-    const Eigen::MatrixXd sides = negated(multiply(spread_rows_, differences, context), context);
-    add(spread_solver_->solve(sides, {.tolerance = std::sqrt(solver_tolerance)}, context), spread_to_,
-        differences, context);
+  const std::vector<Eigen::Index> varying = columns_that_vary(differences, given_);
+  Columns solved = differences(Eigen::all, varying);
+  const int passes = varying.empty() ? 0 : 2;
+  for (int pass = 0; pass < passes; ++pass) {  // the second pass corrects with the residual of the first
+    const Eigen::MatrixXd sides = negated(multiply(spread_rows_, solved, context), context);
+    add(spread_solver_->solve(sides, {.tolerance = std::sqrt(solver_tolerance)}, context), spread_to_, solved,
+        context);
   }
+  differences(Eigen::all, varying) = solved;
   context.throw_if_stopped();
   Columns fields(values.rows(), columns);
   for_rows(static_cast<std::size_t>(values.rows()), [&](std::size_t v) {

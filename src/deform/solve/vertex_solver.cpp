@@ -56,4 +56,9 @@ std::unique_ptr<LinearSolver> factorise_vertices(const SparseRows& rows, const O
   return solver;
 }
 
+void factorise_vertices(const SparseRows& rows, const std::vector<Index>& unknown, LinearSolver& analysed,
+                        const Context& context) {
+  analysed.factorise(square_part(rows, unknown, context), context);
+}
+
 }  // namespace meshgraft

@@ -18,4 +18,8 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows,
 std::unique_ptr<LinearSolver> factorise_vertices(const SparseRows& rows, const OrderingGraph& graph,
                                                  SolverBackend backend, const Context& context);
 
+/// Does the same for the vertices `unknown` with a solver that has analysed this pattern already.
+void factorise_vertices(const SparseRows& rows, const std::vector<Index>& unknown, LinearSolver& analysed,
+                        const Context& context);
+
 }  // namespace meshgraft

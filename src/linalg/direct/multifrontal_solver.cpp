@@ -23,6 +23,14 @@ class MultifrontalSolver final : public LinearSolver {
     statistics_.factor_flops = factor_->pattern().flops();
   }
 
+  /// Returns a solver with the same analysis and no factorisation.
+  std::unique_ptr<LinearSolver> analysed_copy() const {
+    auto copy = std::make_unique<MultifrontalSolver>();
+    if (factor_) copy->factor_.emplace(factor_->pattern());
+    copy->statistics_ = statistics_;
+    return copy;
+  }
+
   void factorise(const NormalMatrix& lower, const Context& context) override {
     context.step("factorise", 0);
     factor_->factorise(lower, context);
@@ -58,6 +66,11 @@ class MultifrontalSolver final : public LinearSolver {
 };
 
 }  // namespace
+
+std::unique_ptr<LinearSolver> copy_multifrontal_analysis(const LinearSolver& solver) {
+  const auto* const multifrontal = dynamic_cast<const MultifrontalSolver*>(&solver);
+  return multifrontal == nullptr ? nullptr : multifrontal->analysed_copy();
+}
 
 std::unique_ptr<LinearSolver> make_multifrontal_solver() { return std::make_unique<MultifrontalSolver>(); }
 
