@@ -7,12 +7,20 @@
 #include <meshgraft/core/error.h>
 
 #include "constrained_system.h"
+#include "core/parallel.h"
 #include "deform/facts.h"
 #include "linalg/sparse.h"
 #include "operators/local_maps.h"
 #include "rotations.h"
 
 namespace meshgraft {
+
+namespace {
+
+// Position errors relative to the box are about ten times these tolerances (docs/performance.md).
+constexpr double tolerance_with_corrections = 1e-8, tolerance_without_corrections = 1e-6;
+
+}  // namespace
 
 ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexConstraint> constraints) const {
   Known values{Columns::Zero(operators_->rows().nodes().positions.rows(), 3),
@@ -44,10 +52,15 @@ Columns ConstrainedSystem::wanted_maps(const Columns& known, const MapField& fie
   return fitted_field()(field.smoothness, context) - known;
 }
 
+/// Returns the part of the maps minus I that known values give.
+Columns ConstrainedSystem::known_maps(const Known& values, const Context& context) const {
+  return multiply(H(), values.x, context) + values.m;
+}
+
 /// Returns the part of b that is linear in values and field. Anchors pull toward rest in it.
 ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
-  const Columns m = multiply(H(), values.x, context) + values.m;
+  const Columns m = known_maps(values, context);
   return {laplacian_rows(values, m, field, context),
           multiply(operators_->rows().P(), wanted_maps(m, field, context), context)};
 }
@@ -63,7 +76,7 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
   if (edge_row_count > 0) {
     auto edge_rows = rows.middleRows(laplacian.rows(), edge_row_count);
     edge_rows = -multiply(stiffness_rows_, values.x, context);
-    if (field.stretch.rows() > 0) add_stretch(field.stretch, edge_rows);
+    if (field.stretch.rows() > 0) add_stretch(field.stretch, edge_rows, context);
   }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Index v = patch().local(anchors_[a].vertex);
@@ -74,14 +87,20 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
   return rows;
 }
 
-void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows) const {
+void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows,
+                                    const Context& context) const {
   const Points& points = operators_->rows().nodes().positions;
-  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
-    const auto [i, j] = edge_rows_[b].ends;
-    const Eigen::RowVector3d d = edge_rows_[b].weight * (points.row(i) - points.row(j));
-    edge_rows.row(static_cast<Eigen::Index>(b)) +=
-        d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
-  }
+  parallel_blocks(
+      edge_rows_.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+          const auto [i, j] = edge_rows_[b].ends;
+          const Eigen::RowVector3d d = edge_rows_[b].weight * (points.row(i) - points.row(j));
+          edge_rows.row(static_cast<Eigen::Index>(b)) +=
+              d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
+        }
+      },
+      context, 4096);
 }
 
 /// Adds the anchors' targets to the anchor rows, which are the last ones below E_L's.
@@ -108,8 +127,7 @@ ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const 
 /// Computes y = (AᵀA)⁻¹ Aᵀ b, then corrects y with the residual of the rectangular system. The solve and its
 /// corrections together have to reach the tolerance, so an iterative solver gets a looser one for each.
 Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const {
-  // Position errors relative to the box are about ten times these tolerances (docs/performance.md).
-  const double tolerance = steps.corrections > 0 ? 1e-8 : 1e-6;
+  const double tolerance = steps.corrections > 0 ? tolerance_with_corrections : tolerance_without_corrections;
   SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
   const auto back_substitute = [&](const Rows& rows) {
     return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), options, context));
@@ -134,6 +152,34 @@ Columns ConstrainedSystem::solve(const Known& values, const MapField& field, con
   return solve(rhs, steps, context);
 }
 
+ConstrainedSystem::KnownParts ConstrainedSystem::known_parts(const Known& values,
+                                                             const Context& context) const {
+  KnownParts known{known_maps(values, context), {}};
+  Rows rows{laplacian_rows(values, known.maps, {}, context),
+            multiply(operators_->rows().P(), Columns(-known.maps), context)};
+  add_targets(rows);
+  known.side = apply_transposed(rows, context);
+  return known;
+}
+
+Columns ConstrainedSystem::solve(const KnownParts& known, const MapField& field, const Columns* guess,
+                                 const Context& context) const {
+  Rows rows{Columns::Zero(A_L_.rows(), 3),
+            multiply(operators_->rows().P(), fitted_field()(field.smoothness, context), context)};
+  const auto edge_row_count = static_cast<Eigen::Index>(edge_rows_.size());
+  add_stretch(field.stretch, rows.laplacian.middleRows(operators_->rows().L().rows(), edge_row_count), context);
+  const Eigen::MatrixXd side = known.side + apply_transposed(rows, context);
+  SolveOptions options{.tolerance = tolerance_without_corrections};
+  Eigen::MatrixXd start;
+  if (guess != nullptr && guess->rows() == E_.cols()) {
+    start = *guess;
+    options.guess = &start;
+  }
+  Columns y = solver_->solve(side, options, context);
+  impose_similarities(y);
+  return y;
+}
+
 Columns ConstrainedSystem::respond(const Known& values, const MapField& field, int corrections,
                                    const Context& context) const {
   return solve(right_hand_side(values, field, context), {.corrections = corrections}, context);
@@ -141,7 +187,7 @@ Columns ConstrainedSystem::respond(const Known& values, const MapField& field, i
 
 Columns ConstrainedSystem::respond(const Known& values, const MapField& field, const SparseRows& coupling,
                                    const Context& context) const {
-  const Columns m = multiply(H(), values.x, context) + values.m;
+  const Columns m = known_maps(values, context);
   Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
   rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field, context), context), context);
   const Eigen::MatrixXd sides = rhs;
@@ -208,7 +254,11 @@ SparseRows ConstrainedSystem::displacement_rows() const {
 }
 
 Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Context& context) const {
-  return multiply(G_, y, context) + multiply(H(), values.x, context) + values.m;
+  return multiply(G_, y, context) + known_maps(values, context);
+}
+
+Columns ConstrainedSystem::maps(const Columns& y, const KnownParts& known, const Context& context) const {
+  return multiply(G_, y, context) + known.maps;
 }
 
 Columns ConstrainedSystem::displacements(const Columns& y, const Known& values, const Context& context) const {

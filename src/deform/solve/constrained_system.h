@@ -70,6 +70,16 @@ class ConstrainedSystem {
   };
   Columns solve(const Known& values, const MapField& field, const SolveSteps& steps,
                 const Context& context) const;
+  /// What known values contribute to all solves with them, whatever the field.
+  struct KnownParts {
+    Columns maps;  ///< their part of the local maps minus I (3·patch rows)
+    Columns side;  ///< their part of the normal equations' right-hand side, with the anchors' targets
+  };
+  KnownParts known_parts(const Known& values, const Context& context) const;
+  /// Solves with a field that has both parts, without corrections. An iterative solver starts from `guess`
+  /// unless it is null.
+  Columns solve(const KnownParts& known, const MapField& field, const Columns* guess,
+                const Context& context) const;
   /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any
   /// number of columns. `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
@@ -98,6 +108,7 @@ class ConstrainedSystem {
   Columns feature_rows(std::size_t feature, const Columns& y) const;
   /// Returns the local maps of a solution minus I: rows 3v … 3v+2 are (M_v − I)ᵀ.
   Columns maps(const Columns& y, const Known& values, const Context& context) const;
+  Columns maps(const Columns& y, const KnownParts& known, const Context& context) const;
   /// Returns the displacements of all vertices of the patch in a solution (patch units), known ones included.
   Columns displacements(const Columns& y, const Known& values, const Context& context) const;
 
@@ -162,11 +173,12 @@ class ConstrainedSystem {
     Columns laplacian, smoothness;
   };
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
+  Columns known_maps(const Known& values, const Context& context) const;
   Columns laplacian_rows(const Known& values, const Columns& m, const MapField& field,
                          const Context& context) const;
   FittedField fitted_field() const { return {operators_->rows(), H(), mask_}; }
   Columns wanted_maps(const Columns& known, const MapField& field, const Context& context) const;
-  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows) const;
+  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows, const Context& context) const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;

@@ -299,12 +299,12 @@ MapField RotationField::compose(const Blend& blended, const Columns& deviation, 
 /// oscillating. Features' rotations go into the blend instead. Returns false if a feature is inverted.
 bool RotationField::local_steps(std::span<const VertexConstraint> constraints, double settled, Blend& blended,
                                 Result& result, const Context& context) const {
-  const ConstrainedSystem::Known values = system_.known_values(constraints);
+  const ConstrainedSystem::KnownParts known = system_.known_parts(system_.known_values(constraints), context);
   Columns deviation = Columns::Zero(system_.patch().size(), 3);
-  AndersonMixing mixing([this](const Columns& a, const Columns& b) { return mean_product(a, b); });
+  AndersonMixing mixing([&](const Columns& a, const Columns& b) { return mean_product(a, b, context); });
   while (result.iterations < iterations_) {
     Columns& y = result.problem.guess;
-    y = system_.solve(values, result.problem.field, {.guess = &y}, context);
+    y = system_.solve(known, result.problem.field, &y, context);
     double turn = 0;
     if (has_features_) {
       const std::vector<Eigen::Vector3d> before = blended.feature_turn;
@@ -312,11 +312,11 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
       for (std::size_t f = 0; f < before.size(); ++f)
         turn = std::max(turn, (blended.feature_turn[f] - before[f]).norm());
     }
-    const Columns raw = surface_deviation(system_.maps(y, values, context), blended, deviation, context);
+    const Columns raw = surface_deviation(system_.maps(y, known, context), blended, deviation, context);
     const Columns step = fields_.smooth(raw, deviation, context) - deviation;
     deviation = mixing.next(deviation, step);
     result.problem.field = compose(blended, deviation, context);
-    result.change = std::max(std::sqrt(mean_product(step, step)), turn);
+    result.change = std::max(std::sqrt(mean_product(step, step, context)), turn);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled) break;
@@ -338,15 +338,34 @@ Columns RotationField::surface_deviation(const Columns& maps, const Blend& blend
   return deviation;
 }
 
-/// Returns the mean of a · b over the area around the fitted vertices.
-double RotationField::mean_product(const Columns& a, const Columns& b) const {
-  double sum = 0, area = 0;
-  for (Index v = 0; v < system_.patch().size(); ++v) {
-    if (!system_.mask().is_fitted(v)) continue;
-    sum += fields_.areas()[v] * a.row(v).dot(b.row(v));
-    area += fields_.areas()[v];
+/// Returns the mean of a · b over the area around the fitted vertices. It is summed up in parts of fixed size,
+/// so that rounding does not depend on the threads.
+double RotationField::mean_product(const Columns& a, const Columns& b, const Context& context) const {
+  constexpr Index part_size = 4096;
+  struct Sums {
+    double product = 0, area = 0;
+  };
+  const Index count = system_.patch().size();
+  std::vector<Sums> sums((static_cast<std::size_t>(count) + part_size - 1) / part_size);
+  parallel_blocks(
+      sums.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t part = begin; part < end; ++part) {
+          const Index first = static_cast<Index>(part) * part_size;
+          for (Index v = first; v < std::min(count, first + part_size); ++v) {
+            if (!system_.mask().is_fitted(v)) continue;
+            sums[part].product += fields_.areas()[v] * a.row(v).dot(b.row(v));
+            sums[part].area += fields_.areas()[v];
+          }
+        }
+      },
+      context, 1);
+  Sums total;
+  for (const Sums& of_part : sums) {
+    total.product += of_part.product;
+    total.area += of_part.area;
   }
-  return area > 0 ? sum / area : 0;
+  return total.area > 0 ? total.product / total.area : 0;
 }
 
 }  // namespace meshgraft

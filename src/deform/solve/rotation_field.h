@@ -64,7 +64,7 @@ class RotationField {
                    Result& result, const Context& context) const;
   Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
                             const Context& context) const;
-  double mean_product(const Columns& a, const Columns& b) const;
+  double mean_product(const Columns& a, const Columns& b, const Context& context) const;
 
   const ConstrainedSystem& system_;
   bool has_features_ = false;
