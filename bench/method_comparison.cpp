@@ -11,11 +11,13 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 #include <meshgraft/deform/quality.h>
 #include <meshgraft/io/mesh_io.h>
@@ -173,6 +175,16 @@ const std::map<std::string, Cells> kinds_of_cells{
                            quality.new_self_intersections.value_or(-1));
       }}}};
 
+// Returns nothing where the method has no solution.
+std::optional<Points> solution(const Method& method, const BenchEdit& edit) {
+  try {
+    return method.solve(edit);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::unsolvable) throw;
+    return std::nullopt;
+  }
+}
+
 void print_table(const std::vector<StandardTest>& tests, const std::vector<Method>& methods, const Cells& cells,
                  const std::filesystem::path& meshes) {
   fmt::print("{}\n\n", cells.heading);
@@ -184,13 +196,17 @@ void print_table(const std::vector<StandardTest>& tests, const std::vector<Metho
   for (const Method& method : methods) {
     fmt::print("| {} |", method.name);
     for (const StandardTest& test : tests) {
-      const Points edited = method.solve(test.edit);
+      const std::optional<Points> edited = solution(method, test.edit);
+      if (!edited) {
+        fmt::print(" fails |");
+        continue;
+      }
       const Quality quality =
-          measure_quality({test.edit.positions, edited, test.edit.triangles, free_vertices(test.edit)});
+          measure_quality({test.edit.positions, *edited, test.edit.triangles, free_vertices(test.edit)});
       fmt::print(" {} |", cells.text(quality));
       std::fflush(stdout);
       if (!meshes.empty())
-        write_mesh(make_mesh(edited, test.edit.triangles), meshes / (test.name + " " + method.name + ".ply"));
+        write_mesh(make_mesh(*edited, test.edit.triangles), meshes / (test.name + " " + method.name + ".ply"));
     }
     fmt::print("\n");
   }

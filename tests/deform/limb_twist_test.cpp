@@ -1,6 +1,7 @@
 #include "deform/solve/limb_twist.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <numbers>
 #include <vector>
@@ -147,6 +148,64 @@ TEST(LimbTwist, OfADiscWindsUpTheSheetAroundIt) {
                   0.05 * sheet.mesh.box_diagonal())
           << degrees;
   }
+}
+
+/// A disc, and the part of a flat sheet of unit size that is free around it. The sheet's border may cut both.
+struct CutDisc {
+  Eigen::RowVector2d centre;
+  double disc = 0, region = 0;  ///< radii
+};
+
+/// Returns the number of faces upside down after the disc's turn. Without strain, a single held vertex beside
+/// the free part is a third group of given maps, besides which there are no discs.
+Index flipped_by_turn(const CutDisc& cut, double degrees, bool with_strain) {
+  constexpr int cells = 40;
+  test::TestMesh mesh = test::irregular_grid(cells, cells);
+  mesh.positions.col(2).setZero();
+  const Eigen::RowVector3d low = mesh.positions.colwise().minCoeff(),
+                           high = mesh.positions.colwise().maxCoeff();
+  const double size = high[0] - low[0];
+  const Eigen::RowVector3d centre = low + size * Eigen::RowVector3d(cut.centre[0], cut.centre[1], 0);
+  Region region{.whole = true};
+  region.handles.push_back({.name = "disc"});
+  Flags is_held(static_cast<std::size_t>(mesh.size()), 0);
+  std::vector<Index> free;
+  Index beside = 0;  // the vertex nearest to a circle four cells beyond the free part
+  const auto radius = [&](Index v) { return (mesh.positions.row(v) - centre).norm() / size; };
+  const auto off_circle = [&](Index v) { return std::abs(radius(v) - cut.region - 4.0 / cells); };
+  for (Index v = 0; v < mesh.size(); ++v) {
+    if (off_circle(v) < off_circle(beside)) beside = v;
+    if (radius(v) < cut.disc) region.handles[0].vertices.push_back(v);
+    if (radius(v) > cut.region) is_held[v] = 1;
+    if (radius(v) >= cut.disc && radius(v) <= cut.region) free.push_back(v);
+  }
+  const IndexLists rings = vertex_rings(mesh.size(), mesh.triangles);
+  if (!with_strain)
+    for (const Index v : rings[beside]) is_held[v] = 0;
+  for (Index v = 0; v < mesh.size(); ++v)
+    if (is_held[v]) region.fixed.push_back(v);
+  HandleMotion motion;
+  motion.axis = Eigen::Vector3d::UnitZ();
+  motion.angle_deg = degrees;
+  const HandlePose pose = make_pose(motion, centre.transpose());
+  const Points turned = Deformer(mesh.positions, mesh.triangles, region).evaluate(std::span(&pose, 1));
+  return measure_quality({mesh.positions, turned, mesh.triangles, free}).flipped_faces;
+}
+
+// The turn falls with the logarithm of the distance from the centre, so that the sheet is sheared by the angle
+// over ln(region / disc) everywhere. Where that is more, both fold (docs/methods.md).
+TEST(LimbTwist, OfDiscsFlipsNoMoreFacesThanWithoutStrain) {
+  constexpr double largest_slope = 2.4;
+  for (const Eigen::RowVector2d& centre :
+       {Eigen::RowVector2d(0.5, 0.5), Eigen::RowVector2d(0.5, 0), Eigen::RowVector2d(0, 0)})
+    for (const double disc : {0.1, 0.15, 0.2})
+      for (const double region : {0.3, 0.36, 0.42})
+        for (const double degrees : {60.0, 120.0, 180.0}) {
+          if (degrees * std::numbers::pi / 180 / std::log(region / disc) > largest_slope) continue;
+          const CutDisc cut{centre, disc, region};
+          EXPECT_LE(flipped_by_turn(cut, degrees, true), flipped_by_turn(cut, degrees, false))
+              << centre << ": " << disc << ", " << region << ", " << degrees;
+        }
 }
 
 TEST(LimbTwist, FindsNoDiscBesideOtherHandles) {
