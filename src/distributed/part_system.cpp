@@ -7,6 +7,7 @@
 
 #include <meshgraft/core/error.h>
 
+#include "core/platform/memory.h"
 #include "core/stopwatch.h"
 #include "deform/solve/fitted_field.h"
 #include "deform/solve/stiffness_edges.h"
@@ -139,11 +140,11 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
   const auto node_count = static_cast<Eigen::Index>(column.size());
   std::vector<int> entries(node_count, 0);
   for (Eigen::Index node = 0; node < node_count; ++node) entries[node] = column[node] >= 0;
-  take_over(E_, rows_of_lengths(entries, columns_.size()));
+  SparseRows E = rows_of_lengths(entries, columns_.size());
   for (Eigen::Index node = 0; node < node_count; ++node)
     if (column[node] >= 0) {
-      E_.innerIndexPtr()[E_.outerIndexPtr()[node]] = column[node];
-      E_.valuePtr()[E_.outerIndexPtr()[node]] = 1;
+      E.innerIndexPtr()[E.outerIndexPtr()[node]] = column[node];
+      E.valuePtr()[E.outerIndexPtr()[node]] = 1;
     }
 
   // The operator scales its rows by ℓ̄ of the part; they are scaled by that of the whole patch.
@@ -179,12 +180,12 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
   }
   take_over(P_, scaled_rows(rows_->P(), own_rows, scales));
 
-  take_over(G_, multiply(rows_->H(), E_, one_thread));
-  take_over(A_L_, difference_of_products({L_, E_}, {delta_, G_}, one_thread));
+  take_over(G_, multiply(rows_->H(), E, one_thread));
+  take_over(A_L_, difference_of_products({L_, E}, {delta_, G_}, one_thread));
   list_edge_rows(options);
   take_over(stiffness_, stiffness_rows());
-  take_over(A_L_, stack(A_L_, multiply(stiffness_, E_, one_thread), one_thread));
-  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(options.operators.density), one_thread));
+  take_over(A_L_, stack(A_L_, multiply(stiffness_, E, one_thread), one_thread));
+  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(E, options.operators.density), one_thread));
 }
 
 /// Finds the factor of the stiffness at each vertex, as `ConstrainedSystem` does.
@@ -246,7 +247,7 @@ SparseRows PartSystem::stiffness_rows() const {
 }
 
 /// Returns soft rows weight · (x_i − target), as `ConstrainedSystem` has them before it weighs the anchors.
-SparseRows PartSystem::anchor_rows(Density density) {
+SparseRows PartSystem::anchor_rows(const SparseRows& E, Density density) {
   const double area = region_size_ * region_size_;
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
@@ -258,7 +259,7 @@ SparseRows PartSystem::anchor_rows(Density density) {
         entries.emplace_back(static_cast<int>(a), static_cast<int>(it.col()),
                              anchor_weights_.back() * factor * it.value());
     };
-    add(E_, v, 1);
+    add(E, v, 1);
     const Eigen::RowVector3d back = part_.points.row(v) - rows_->nodes().positions.row(v);
     for (int k = 0; k < 3; ++k)
       if (back[k] != 0) add(G_, 3 * v + k, back[k]);
@@ -288,6 +289,7 @@ UnknownNodes PartSystem::unknown_nodes(const std::vector<int>& column) const {
 /// Sums up AᵀA = A_LᵀA_L + Gᵀ (PᵀP) G from the rows of all ranks, and sets up the solver.
 void PartSystem::factorise() {
   const Stopwatch watch;
+  platform::release_freed_memory();
   NormalMatrix lower;
   comm_.together([&] {
     const SparseRows coupling = multiply(transpose(P_, one_thread), P_, one_thread);
@@ -296,8 +298,9 @@ void PartSystem::factorise() {
         {.A = A_L_, .A_transposed = A_transposed, .G = G_, .G_transposed = G_transposed, .K = coupling},
         one_thread);
   });
+  platform::release_freed_memory();
   MatrixRows matrix = sum_contributions(comm_, columns_, lower);
-  lower = NormalMatrix();
+  NormalMatrix().swap(lower);  // an assignment would keep its memory
   solver_.reset();
   solver_.emplace(comm_, std::move(matrix), unknown_nodes(column_),
                   ParallelSolverOptions{.preconditioner = preconditioner_, .prefix = ""});

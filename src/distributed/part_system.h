@@ -68,7 +68,7 @@ class PartSystem {
   void find_stiffness_scales(const DeformerOptions& options);
   void list_edge_rows(const DeformerOptions& options);
   SparseRows stiffness_rows() const;
-  SparseRows anchor_rows(Density density);
+  SparseRows anchor_rows(const SparseRows& E, Density density);
   void factorise();
   void weigh_anchors();
   UnknownNodes unknown_nodes(const std::vector<int>& column) const;
@@ -93,7 +93,7 @@ class PartSystem {
   Halo columns_;
   std::vector<int> column_;               ///< per node: local column, or -1
   SparseRows L_, delta_, P_, stiffness_;  ///< own rows
-  SparseRows E_, A_L_, G_;
+  SparseRows A_L_, G_;
   std::optional<ParallelSolver> solver_;
   Preconditioner preconditioner_;
   double tolerance_;

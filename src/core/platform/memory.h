@@ -23,6 +23,10 @@ ControlGroups control_groups();
 /// Returns whether `bytes` more of address space can be reserved. Keeps no reservation.
 bool can_reserve_address_space(std::size_t bytes);
 
+/// Gives freed memory back to the system. Small blocks that were freed leave gaps in which the large arrays of
+/// a next step do not fit. Does nothing where the C library offers no way.
+void release_freed_memory();
+
 /// Asks for large pages for memory that is reserved and about to be filled. The first touches of 4 KiB pages
 /// otherwise take a third of the time to read a binary file. Does nothing if the system has no large pages.
 void prefer_huge_pages(const void* begin, std::size_t size);

@@ -7,6 +7,10 @@
 #include <algorithm>
 #include <limits>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace meshgraft::platform {
 
 namespace {
@@ -45,6 +49,12 @@ bool can_reserve_address_space(std::size_t bytes) {
   if (room == MAP_FAILED) return false;
   ::munmap(room, bytes);
   return true;
+}
+
+void release_freed_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
 }
 
 void prefer_huge_pages([[maybe_unused]] const void* begin, [[maybe_unused]] std::size_t size) {
