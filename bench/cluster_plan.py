@@ -16,7 +16,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Work:
     """Work of an edit, as measured. Per vertex if not told otherwise; seconds are those of one core."""
-    bytes: float = 10121  # of memory, at the peak
+    bytes: float = 6159  # of memory, at the peak
     assemble: float = 7.8e-6  # seconds
     divide: float = 1.5e-5  # seconds
     set_up: float = 2.1e-5  # seconds
@@ -24,7 +24,7 @@ class Work:
     fine_traffic: float = 7717  # bytes of memory traffic per iteration, on the fine grid
     cycle_traffic: float = 2328  # bytes of memory traffic per cycle of GAMG on all three columns
     cycles: float = 16  # of GAMG per iteration and column; not more are done
-    efficiency: float = 0.55  # of the triad's speed that the solve reaches
+    efficiency: float = 0.33  # of the triad's speed that the solve reaches
     messages: float = 2844  # per rank and iteration, at measured_ranks with measured_cycles
     message_bytes: float = 1.86e6  # likewise, with measured_part vertices per rank
     reductions: float = 46.7  # per iteration, with measured_cycles
@@ -32,6 +32,8 @@ class Work:
     measured_cycles: float = 7.6
     measured_part: int = 4096
     file_bytes: float = 50  # of a file of positions in double precision and triangles
+    unknowns: float = 1.9  # x, y and z of an unknown are one
+    entries: float = 82  # of the matrix
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,11 @@ class Machine:
     network_bandwidth: float = 12.5e9  # bytes per second of one machine
     file_bandwidth: float = 2e9  # bytes per second of the file system, for all machines together
     price: float = 3.0  # per hour
+
+
+MOST_INDEX = 2**31 - 1
+COLUMNS = 3  # x, y and z, which PETSc numbers together
+FACES = 2  # per vertex
 
 
 @dataclass(frozen=True)
@@ -89,6 +96,22 @@ def cost(found, machines, machine):
 def most_vertices(machine, work=Work(), share=0.5):
     """Returns the number of vertices that a share of a machine's memory holds."""
     return share * machine.memory / work.bytes
+
+
+def limits(ranks, work=Work()):
+    """Returns what breaks, each with the number of vertices of the whole mesh that still works, the smallest first."""
+    return sorted([
+        (math.floor(MOST_INDEX / (COLUMNS * work.unknowns)), "the unknowns need a PETSc of 64-bit indices, which was not tried"),
+        (math.floor(MOST_INDEX / work.entries * ranks), "the matrix of one rank has too many entries for PETSc's 32-bit "
+                                                        "indices: more ranks are needed"),
+        (MOST_INDEX // FACES, "a PLY file cannot have so many faces: the mesh has to be in chunks"),
+        (MOST_INDEX, "an edit numbers its vertices by 32 bits: the mesh is refused"),
+    ])
+
+
+def broken(vertices, ranks, work=Work()):
+    """Returns a sentence for everything that breaks at a number of vertices."""
+    return [f"Beyond {most:,} vertices {what}." for most, what in limits(ranks, work) if vertices > most]
 
 
 def rows_of(found, machines, machine):
@@ -147,6 +170,8 @@ def main():
         most = most_vertices(machine, work, 1)
         print(f"It does not fit: a machine holds {most:,.0f} vertices, so that {math.ceil(given['vertices'] / most):,} "
               "machines would do.")
+    for sentence in broken(given["vertices"], found.ranks, work):
+        print(sentence)
 
 
 if __name__ == "__main__":

@@ -55,6 +55,14 @@ struct DistributedSummary {
   double partition_seconds = 0, assemble_seconds = 0, factorise_seconds = 0;
 };
 
+/// What the solves for positions took.
+struct DistributedWork {
+  std::int64_t iterations = 0;         ///< of all solves together
+  std::int64_t coarse_iterations = 0;  ///< of the coarse grid, for each column; 0 if it has a factor
+  double messages = 0, bytes = 0,
+         reductions = 0;  ///< sent and received in iterations, of the rank with the most
+};
+
 /// Deforms a region of a mesh that is divided among the ranks of an MPI communicator. No rank holds the whole
 /// mesh. The result is that of `Deformer` up to rounding and the tolerance. All ranks construct the object and
 /// call its functions together. Where one rank throws, all ranks throw the same Error.
@@ -76,6 +84,8 @@ class DistributedDeformer {
   Points evaluate(std::span<const VertexConstraint> constraints, EvaluationReport* report = nullptr) const;
 
   const DistributedSummary& summary() const;
+  /// Returns what all calls of `evaluate` together took. All ranks call it.
+  DistributedWork work() const;
 
  private:
   struct Impl;

@@ -140,7 +140,7 @@ void DistributedDeformer::Impl::divide(const LocalProblem& problem) {
   std::vector<NumberedTriangle> triangles;
   comm.together([&] { triangles = numbered(problem, face_starts[comm.rank()], starts.back()); });
   const LocalMesh mesh = make_local_mesh(comm, starts, triangles, 0);
-  triangles = {};
+  std::vector<NumberedTriangle>().swap(triangles);
 
   const int order = options.deformer.operators.laplacian_order;
   Flags active(rest.rows(), 0);
@@ -356,6 +356,17 @@ Points DistributedDeformer::evaluate(std::span<const VertexConstraint> constrain
                                     found.guess.rows() > 0 ? &found.guess : nullptr);
   if (report != nullptr) d.measure(y, values, found, *report);
   return d.place(d.system->displacements(y, values), constraints);
+}
+
+DistributedWork DistributedDeformer::work() const {
+  const Impl& d = *impl_;
+  if (!d.system || d.system->solver() == nullptr) return {};
+  const ParallelStatistics figures = d.system->solver()->statistics();
+  return {.iterations = figures.all_iterations,
+          .coarse_iterations = figures.coarse_iterations,
+          .messages = d.comm.largest(figures.traffic.messages),
+          .bytes = d.comm.largest(figures.traffic.bytes),
+          .reductions = d.comm.largest(figures.traffic.reductions)};
 }
 
 const DistributedSummary& DistributedDeformer::summary() const { return impl_->summary; }

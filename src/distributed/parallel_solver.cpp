@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <meshgraft/core/error.h>
@@ -23,7 +25,7 @@ PetscInt petsc_int(Number number) {
 }
 
 /// Makes a matrix of a rank's rows. `own_columns` is the rank's number of columns.
-OwnedMat make_matrix(const Communicator& comm, const MatrixRows& rows, Number own_columns, int column_block) {
+OwnedMat make_matrix(const Communicator& comm, MatrixRows rows, Number own_columns, int column_block) {
   const Number own_rows = static_cast<Number>(rows.offsets.size()) - 1;
   OwnedMat matrix;
   require(MatCreate(comm.get(), matrix.out()));
@@ -33,9 +35,22 @@ OwnedMat make_matrix(const Communicator& comm, const MatrixRows& rows, Number ow
   std::vector<PetscInt> offsets(rows.offsets.size()), columns(rows.columns.size());
   std::transform(rows.offsets.begin(), rows.offsets.end(), offsets.begin(), petsc_int);
   std::transform(rows.columns.begin(), rows.columns.end(), columns.begin(), petsc_int);
+  std::vector<Number>().swap(rows.columns);
   require(MatSeqAIJSetPreallocationCSR(matrix, offsets.data(), columns.data(), rows.values.data()));
   require(MatMPIAIJSetPreallocationCSR(matrix, offsets.data(), columns.data(), rows.values.data()));
   return matrix;
+}
+
+/// Computes Pᵀ N P, and frees what PETSc would keep for a second product, N P among it.
+OwnedMat galerkin_product(Mat matrix, Mat prolongation) {
+  OwnedMat product;
+  require(MatProductCreate(matrix, prolongation, nullptr, product.out()));
+  require(MatProductSetType(product, MATPRODUCT_PtAP));
+  require(MatProductSetFromOptions(product));
+  require(MatProductSymbolic(product));
+  require(MatProductNumeric(product));
+  require(MatProductClear(product));
+  return product;
 }
 
 /// Gives the rows of a matrix that are zero, the unknowns without a function, a unit diagonal.
@@ -162,6 +177,19 @@ OwnedVec inverse_diagonal(Mat matrix) {
   return inverse;
 }
 
+/// Returns what PETSc has sent and received so far on this rank.
+Traffic traffic_so_far() {
+  return {.messages = petsc_irecv_ct + petsc_isend_ct + petsc_recv_ct + petsc_send_ct,
+          .bytes = petsc_irecv_len + petsc_isend_len + petsc_recv_len + petsc_send_len,
+          .reductions = petsc_allreduce_ct + petsc_gather_ct + petsc_scatter_ct};
+}
+
+Number iterations_of(KSP solver) {
+  PetscInt iterations = 0;
+  require(KSPGetTotalIterations(solver, &iterations));
+  return iterations;
+}
+
 /// The solver of systems with one number of columns.
 struct WidthSolver {
   OwnedMat matrix, coarse, prolongation;  ///< interleaved
@@ -179,6 +207,7 @@ struct ParallelSolver::Impl {
   OwnedMat matrix, coarse, prolongation;
   OwnedKsp inner;  ///< applies the coarse grid's preconditioner, or the whole one
   ParallelStatistics figures;
+  bool iterates_on_coarse_grid = false;
   std::map<int, std::unique_ptr<WidthSolver>> by_width;
 
   Impl(const Communicator& communicator, const ParallelSolverOptions& chosen)
@@ -191,10 +220,10 @@ struct ParallelSolver::Impl {
 };
 
 void ParallelSolver::Impl::set_up_blended(const UnknownNodes& nodes) {
-  const Prolongation grid = make_prolongation(comm, nodes);
+  Prolongation grid = make_prolongation(comm, nodes);
   const Number own = grid.starts[comm.rank() + 1] - grid.starts[comm.rank()];
-  prolongation = make_matrix(comm, grid.rows, own, 4);
-  require(MatPtAP(matrix, prolongation, MAT_INITIAL_MATRIX, 1.0, coarse.out()));
+  prolongation = make_matrix(comm, std::move(grid.rows), own, 4);
+  coarse = galerkin_product(matrix, prolongation);
   fill_empty_rows(coarse);
   require(MatSetOption(coarse, MAT_SPD, PETSC_TRUE));
   set_near_null_space(coarse, grid.affine);
@@ -202,16 +231,27 @@ void ParallelSolver::Impl::set_up_blended(const UnknownNodes& nodes) {
   require(MatGetInfo(coarse, MAT_GLOBAL_SUM, &info));
   figures.coarse_unknowns = grid.starts.back();
   figures.operator_complexity = 1 + info.nz_used / static_cast<double>(figures.matrix_nonzeros);
-  set_up_inner(coarse, PCGAMG, "coarse_");
+  const std::string prefix = options.prefix + "coarse_";
+  PetscBool is_chosen = PETSC_FALSE;
+  require(PetscOptionsHasName(nullptr, prefix.c_str(), "-pc_type", &is_chosen));
+#ifdef PETSC_HAVE_MUMPS
+  // A factor is quicker as long as it fits: a third of the time of a solve at a million vertices.
+  constexpr Number most_to_factorise = 500'000;
+#else
+  constexpr Number most_to_factorise = 0;
+#endif
+  iterates_on_coarse_grid = is_chosen == PETSC_TRUE || figures.coarse_unknowns > most_to_factorise;
+  set_up_inner(coarse, iterates_on_coarse_grid ? PCGAMG : PCCHOLESKY, "coarse_");
 }
 
-/// Makes the solver of the coarse grid, a few iterations of conjugate gradients. For other preconditioners of N
-/// makes one that applies them once. PETSc's options may ask for something else.
+/// Makes the solver of the coarse grid: a factor, or a few iterations of conjugate gradients. For other
+/// preconditioners of N makes one that applies them once. PETSc's options may ask for something else.
 void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::string& prefix) {
   require(KSPCreate(comm.get(), inner.out()));
   require(KSPSetOptionsPrefix(inner, (options.prefix + prefix).c_str()));
   require(KSPSetOperators(inner, of, of));
-  if (of == coarse) {
+  const bool is_factorised = std::string_view(type) == PCCHOLESKY;
+  if (of == coarse && !is_factorised) {
     constexpr double tolerance = 0.05;
     constexpr int most_iterations = 16;
     require(KSPSetType(inner, KSPCG));
@@ -223,9 +263,9 @@ void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::str
   PC preconditioner = nullptr;
   require(KSPGetPC(inner, &preconditioner));
   require(PCSetType(preconditioner, type));
-  if (options.preconditioner == Preconditioner::mumps && of == matrix)
+  if (is_factorised) {
     require(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS));
-  if (of == coarse) {
+  } else if (of == coarse) {
     // Each aggregate has four functions, whose blocks are inverted together. A rank with few unknowns of a
     // level costs more messages than it saves work.
     constexpr PetscInt unknowns_per_rank = 1000;
@@ -255,6 +295,8 @@ void ParallelSolver::Impl::add_multigrid(WidthSolver& solver, int width) {
   require(KSPSetOperators(smoother, solver.matrix, solver.matrix));
   require(KSPSetType(smoother, KSPCHEBYSHEV));
   constexpr int degree = 2;
+  // Bounds of eigenvalues from conjugate gradients need three vectors, those from GMRES twelve.
+  set_default_option("-" + options.prefix + "mg_levels_esteig_ksp_type", KSPCG);
   require(KSPSetTolerances(smoother, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, degree));
   require(KSPGetPC(smoother, &scaling));
   require(PCSetType(scaling, PCSHELL));
@@ -322,8 +364,7 @@ ParallelSolver::ParallelSolver(const Communicator& comm, MatrixRows rows, const 
   d.figures.matrix_nonzeros = comm.sum(rows.offsets.back());
   constexpr Number columns = 3;  // x, y and z, interleaved
   petsc_int(columns * d.figures.unknowns);
-  d.matrix = make_matrix(comm, rows, own, 1);
-  rows = {};
+  d.matrix = make_matrix(comm, std::move(rows), own, 1);
   require(MatSetOption(d.matrix, MAT_SPD, PETSC_TRUE));
   switch (options.preconditioner) {
     case Preconditioner::blended: d.set_up_blended(nodes); break;
@@ -356,10 +397,18 @@ Columns ParallelSolver::solve(const Columns& rhs, double tolerance, const Column
   if (guess != nullptr) write(*guess, solver.x);
   require(KSPSetInitialGuessNonzero(solver.cg, guess != nullptr ? PETSC_TRUE : PETSC_FALSE));
   require(KSPSetTolerances(solver.cg, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations));
+  ParallelStatistics& figures = impl_->figures;
+  const Traffic before = traffic_so_far();
+  const Number cycles_before = iterations_of(impl_->inner);
   {
     const LogStage stage(fine_stage);
     require(KSPSolve(solver.cg, solver.y, solver.x));
   }
+  const Traffic after = traffic_so_far();
+  figures.traffic.messages += after.messages - before.messages;
+  figures.traffic.bytes += after.bytes - before.bytes;
+  figures.traffic.reductions += after.reductions - before.reductions;
+  if (impl_->iterates_on_coarse_grid) figures.coarse_iterations += iterations_of(impl_->inner) - cycles_before;
 
   KSPConvergedReason reason;
   PetscInt iterations = 0;
@@ -367,7 +416,8 @@ Columns ParallelSolver::solve(const Columns& rhs, double tolerance, const Column
   require(KSPGetConvergedReason(solver.cg, &reason));
   require(KSPGetIterationNumber(solver.cg, &iterations));
   require(KSPGetResidualNorm(solver.cg, &left));
-  impl_->figures.iterations = static_cast<int>(iterations);
+  figures.iterations = static_cast<int>(iterations);
+  figures.all_iterations += iterations;
   if (reason < 0)
     throw Error(facts::linalg::NotConverged{
         .iterations = static_cast<int>(iterations), .error = left, .tolerance = tolerance});

@@ -43,12 +43,21 @@ struct ParallelSolverOptions {
   bool direct = false;
 };
 
+/// What PETSc has sent and received on a rank.
+struct Traffic {
+  double messages = 0, bytes = 0, reductions = 0;
+};
+
 /// Figures of a solver.
 struct ParallelStatistics {
   Number unknowns = 0, coarse_unknowns = 0;
   Number matrix_nonzeros = 0;  ///< of the whole symmetric matrix
   double operator_complexity = 1;
   int iterations = 0;  ///< of the latest solve
+  Number all_iterations = 0,
+         coarse_iterations =
+             0;     ///< of all solves; those of the coarse grid column by column, 0 with its factor
+  Traffic traffic;  ///< of all solves, on this rank
 };
 
 /// Solves N x = y for a few columns at once by conjugate gradients. All columns go through the matrix together,

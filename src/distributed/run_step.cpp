@@ -100,8 +100,9 @@ Points turn_normals(const Communicator& comm, const MeshFile& file, const RunSta
 using Json = nlohmann::ordered_json;
 
 /// Returns the report as text, with what this run does not measure as null, and figures of its own.
-std::string report_text(const EditReport& report, const DistributedSummary& summary, const Communicator& comm,
-                        const RunRequest& request, const Wording& wording) {
+std::string report_text(const EditReport& report, const DistributedSummary& summary,
+                        const DistributedWork& work, const Communicator& comm, const RunRequest& request,
+                        const Wording& wording) {
   Json json = Json::parse(write_report(report, wording));
   json["solver"] = nullptr;
   for (Json& input : json["inputs"]) {
@@ -125,7 +126,13 @@ std::string report_text(const EditReport& report, const DistributedSummary& summ
                          {"largest_part", summary.largest_part},
                          {"largest_halo", summary.largest_halo},
                          {"most_neighbours", summary.most_neighbours},
-                         {"partition_seconds", summary.partition_seconds}};
+                         {"partition_seconds", summary.partition_seconds},
+                         {"work",
+                          {{"iterations", work.iterations},
+                           {"coarse_iterations", work.coarse_iterations},
+                           {"messages", work.messages},
+                           {"bytes", work.bytes},
+                           {"reductions", work.reductions}}}};
   return json::to_text(json);
 }
 
@@ -175,7 +182,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
       resolved.problem.triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(c)) =
           state.triangles[t].corners[c];
   const bool measures = !request.report.empty();
-  if (!file.has_normals() && !measures) state.triangles = {};
+  if (!file.has_normals() && !measures) std::vector<NumberedTriangle>().swap(state.triangles);
   Flags is_free = resolved.problem.movable;
   for (const VertexConstraint& constraint : resolved.problem.constraints)
     if (constraint.position) is_free[constraint.vertex] = 0;
@@ -183,6 +190,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
 
   const std::vector<VertexConstraint> constraints = resolved.problem.constraints;
   DistributedSummary summary;
+  DistributedWork work;
   EvaluationReport& evaluation = done.evaluation.emplace();
   try {
     const DistributedDeformer deformer(mpi, resolved.problem,
@@ -196,6 +204,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
     watch.lap();
     state.edited = deformer.evaluate(constraints, &evaluation);
     done.seconds.solve = watch.lap();
+    work = deformer.work();
   } catch (const Error& error) {
     throw error.within(location);
   }
@@ -235,7 +244,7 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
     done.seconds.total = watch.seconds() - report.seconds.read - report.seconds.write;
     report.seconds.total = watch.seconds();
     report.steps.push_back(done);
-    write_file_atomically(request.report, report_text(report, summary, comm, request, wording));
+    write_file_atomically(request.report, report_text(report, summary, work, comm, request, wording));
   });
 }
 

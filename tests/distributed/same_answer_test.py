@@ -198,6 +198,13 @@ class SameAnswer(Scene):
             found = self.together(edit, 2, "--preconditioner", name)[3]
             self.assertLess(largest_difference(expected, found), 1e-8, name)
 
+    def test_either_solver_of_the_coarse_grid(self):
+        edit = self.turned_disc()
+        expected = self.alone(edit)[3]
+        for options in ((), ("--petsc", "-coarse_pc_type gamg")):
+            found = self.together(edit, 3, *options)[3]
+            self.assertLess(largest_difference(expected, found), 1e-9, options)
+
     def test_options_of_petsc(self):
         edit = self.turned_disc()
 
@@ -206,7 +213,8 @@ class SameAnswer(Scene):
             self.assertEqual(done.returncode, 0, done.stderr)
             return done.stdout
         self.assertEqual(output_of(), "")
-        found = output_of("--petsc", "-ksp_monitor -log_view -coarse_ksp_max_it 3 -coarse_ksp_converged_reason")
+        found = output_of("--petsc", "-ksp_monitor -log_view -coarse_pc_type gamg -coarse_ksp_max_it 3 "
+                                     "-coarse_ksp_converged_reason")
         norms = [float(norm) for norm in re.findall(r"^ *\d+ KSP Residual norm (\S+)", found, re.MULTILINE)]
         self.assertGreater(len(norms), 5)
         self.assertLess(min(norms), 1e-3 * max(norms))

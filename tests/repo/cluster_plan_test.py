@@ -8,7 +8,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "bench"))
-from cluster_plan import Machine, Work, cost, most_vertices, plan  # noqa: E402
+from cluster_plan import Machine, Work, broken, cost, limits, most_vertices, plan  # noqa: E402
 
 WORK = Work(bytes=1000, assemble=1e-6, divide=2e-6, set_up=3e-6, iterations=10, fine_traffic=500, cycle_traffic=100, cycles=5, efficiency=0.5,
             messages=100, message_bytes=1e6, reductions=20, measured_ranks=16, measured_cycles=2.5, measured_part=2500, file_bytes=50)
@@ -55,6 +55,15 @@ class ClusterPlan(unittest.TestCase):
         self.assertEqual(most_vertices(MACHINE, WORK, share=1), 1e6)
         self.assertEqual(most_vertices(MACHINE, WORK), 5e5)
 
+    def test_limits(self):
+        work = dataclasses.replace(WORK, unknowns=2, entries=100)
+        of_unknowns, of_faces, of_vertices = (2**31 - 1) // 6, 2**30 - 1, 2**31 - 1
+        self.assertEqual([most for most, _ in limits(1000, work)], [of_unknowns, of_faces, of_vertices, (2**31 - 1) * 10])
+        self.assertEqual(limits(2, work)[0][0], 42_949_672)  # entries of two ranks
+        self.assertEqual([len(broken(most + more, 1000, work)) for most in (of_unknowns, of_faces, of_vertices) for more in (0, 1)],
+                         [0, 1, 1, 2, 2, 3])
+        self.assertIn("Beyond 357,913,941 vertices the unknowns need", broken(of_faces, 1000, work)[0])
+
     def test_command(self):
         def lines(*arguments):
             done = subprocess.run([sys.executable, ROOT / "bench/cluster_plan.py", *arguments], capture_output=True, text=True,
@@ -63,9 +72,12 @@ class ClusterPlan(unittest.TestCase):
         usual, text = lines("1e8", "16")
         self.assertEqual(usual["ranks"], "1,024")
         self.assertNotIn("does not fit", text)
+        self.assertNotIn("Beyond", text)
         slower, _ = lines("1e8", "16", "--memory-bandwidth", "30")
         self.assertAlmostEqual(float(slower["solve: memory, s"]), 10 * float(usual["solve: memory, s"]), delta=1)
         self.assertIn("does not fit", lines("1e9", "2")[1])
+        self.assertIn("64-bit indices", lines("1e9", "256")[1])
+        self.assertIn("is refused", lines("2147483648", "512")[1])
 
 
 if __name__ == "__main__":
