@@ -135,7 +135,7 @@ PartField PartRotation::compose(const Blend& blended, const Columns& deviation) 
 
 /// Performs fixed-point steps, as `RotationField` does.
 void PartRotation::local_steps(const PartValues& values, const Blend& blended, Result& result) const {
-  const Index count = part_.mesh.vertices.size(), own = part_.mesh.vertices.own();
+  const Index count = part_.mesh.vertices.size();
   Columns deviation = Columns::Zero(count, 3);
   AndersonMixing mixing([this](const Columns& a, const Columns& b) { return mean_product(a, b); });
   while (result.iterations < iterations_) {
