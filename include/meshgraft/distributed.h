@@ -55,7 +55,7 @@ struct DistributedSummary {
   double partition_seconds = 0, assemble_seconds = 0, factorise_seconds = 0;
 };
 
-/// What the solves for positions took.
+/// The work of all solves for positions.
 struct DistributedWork {
   std::int64_t iterations = 0;         ///< of all solves together
   std::int64_t coarse_iterations = 0;  ///< of the coarse grid, for each column; 0 if it has a factor
@@ -84,7 +84,7 @@ class DistributedDeformer {
   Points evaluate(std::span<const VertexConstraint> constraints, EvaluationReport* report = nullptr) const;
 
   const DistributedSummary& summary() const;
-  /// Returns what all calls of `evaluate` together took. All ranks call it.
+  /// Returns the work of all calls of `evaluate` together. All ranks call it.
   DistributedWork work() const;
 
  private:

@@ -43,7 +43,7 @@ struct ParallelSolverOptions {
   bool direct = false;
 };
 
-/// What PETSc has sent and received on a rank.
+/// Messages and bytes that PETSc sent and received on a rank, and its reductions.
 struct Traffic {
   double messages = 0, bytes = 0, reductions = 0;
 };

@@ -208,10 +208,6 @@ Matrix compress(ProductRows&& product, Eigen::Index rows, Eigen::Index columns, 
   return matrix;
 }
 
-}  // namespace
-
-namespace {
-
 /// Returns the column of the only entry in each row of b, or -1 in an empty row, if b selects columns: no row
 /// and no column has two entries.
 std::optional<std::vector<int>> selected_columns(const SparseRows& b) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

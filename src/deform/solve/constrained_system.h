@@ -70,7 +70,7 @@ class ConstrainedSystem {
   };
   Columns solve(const Known& values, const MapField& field, const SolveSteps& steps,
                 const Context& context) const;
-  /// What known values contribute to all solves with them, whatever the field.
+  /// The parts that known values have in all solves with them. They do not depend on the field.
   struct KnownParts {
     Columns maps;  ///< their part of the local maps minus I (3·patch rows)
     Columns side;  ///< their part of the normal equations' right-hand side, with the anchors' targets
