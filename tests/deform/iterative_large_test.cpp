@@ -39,6 +39,21 @@ TEST_P(IterativeLarge, FindsWhatDirectSolversFind) {
     }
 }
 
+TEST_P(IterativeLarge, FindsTheFieldThatDirectSolversFind) {
+  for (const TestMesh& mesh : large_families(GetParam())) {
+    SCOPED_TRACE(mesh.name);
+    const Scene scene = make_scene(mesh);
+    const auto result = [&](SolverBackend backend) {
+      return Deformer(mesh.positions, mesh.triangles, held_foot(scene), {.backend = backend})
+          .evaluate(std::vector{pose_of(head_move(scene))});
+    };
+    const double error = largest_distance(result(SolverBackend::iterative), result(SolverBackend::automatic)) /
+                         mesh.box_diagonal();
+    EXPECT_LT(error, 1e-4);  // either may settle a step earlier
+    RecordProperty(mesh.name, std::to_string(error * 1e9) + "e-9 of the box");
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, IterativeLarge, testing::Values(20000, 50000),
                          [](const auto& size) { return std::to_string(size.param); });
 

@@ -163,13 +163,13 @@ ConstrainedSystem::KnownParts ConstrainedSystem::known_parts(const Known& values
 }
 
 Columns ConstrainedSystem::solve(const KnownParts& known, const MapField& field, const Columns* guess,
-                                 const Context& context) const {
+                                 double tolerance, const Context& context) const {
   Rows rows{Columns::Zero(A_L_.rows(), 3),
             multiply(operators_->rows().P(), fitted_field()(field.smoothness, context), context)};
   const auto edge_row_count = static_cast<Eigen::Index>(edge_rows_.size());
   add_stretch(field.stretch, rows.laplacian.middleRows(operators_->rows().L().rows(), edge_row_count), context);
   const Eigen::MatrixXd side = known.side + apply_transposed(rows, context);
-  SolveOptions options{.tolerance = tolerance_without_corrections};
+  SolveOptions options{.tolerance = std::max(tolerance, tolerance_without_corrections)};
   Eigen::MatrixXd start;
   if (guess != nullptr && guess->rows() == E_.cols()) {
     start = *guess;

@@ -13,6 +13,10 @@ namespace meshgraft {
 /// The iterations stop when the root mean square change of the field falls below this, in radians.
 constexpr double settled_change = 1e-4;
 
+/// An iterative backend ends a step's solve, and the smoothing of its field, at errors of these shares of the
+/// change that the step before asked for, in radians. For the first step, that is `first_change`.
+constexpr double solve_share = 1e-3, smooth_share = 1e-4, first_change = 0.1;
+
 /// The map that the constraints alone give at a point of the surface: F = rotation · stretch.
 struct BlendedMap {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity(), stretch = Eigen::Matrix3d::Identity();

@@ -302,9 +302,10 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
   const ConstrainedSystem::KnownParts known = system_.known_parts(system_.known_values(constraints), context);
   Columns deviation = Columns::Zero(system_.patch().size(), 3);
   AndersonMixing mixing([&](const Columns& a, const Columns& b) { return mean_product(a, b, context); });
+  double change = first_change;
   while (result.iterations < iterations_) {
     Columns& y = result.problem.guess;
-    y = system_.solve(known, result.problem.field, &y, context);
+    y = system_.solve(known, result.problem.field, &y, solve_share * change, context);
     double turn = 0;
     if (has_features_) {
       const std::vector<Eigen::Vector3d> before = blended.feature_turn;
@@ -313,10 +314,11 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
         turn = std::max(turn, (blended.feature_turn[f] - before[f]).norm());
     }
     const Columns raw = surface_deviation(system_.maps(y, known, context), blended, deviation, context);
-    const Columns step = fields_.smooth(raw, deviation, context) - deviation;
+    const Columns step = fields_.smooth(raw, deviation, context, smooth_share * change) - deviation;
     deviation = mixing.next(deviation, step);
     result.problem.field = compose(blended, deviation, context);
-    result.change = std::max(std::sqrt(mean_product(step, step, context)), turn);
+    change = std::max(std::sqrt(mean_product(step, step, context)), turn);
+    result.change = change;
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled) break;

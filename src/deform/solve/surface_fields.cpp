@@ -270,15 +270,16 @@ Columns SurfaceFields::spread(const Columns& values, const Context& context) con
   return fields;
 }
 
-Columns SurfaceFields::smooth(const Columns& values, const Columns& guess, const Context& context) const {
+Columns SurfaceFields::smooth(const Columns& values, const Columns& guess, const Context& context,
+                              double tolerance) const {
   Columns fields = Columns::Zero(values.rows(), values.cols());
   if (free_.empty()) return fields;
   Eigen::MatrixXd weighted(static_cast<Eigen::Index>(free_.size()), values.cols());
   for (std::size_t k = 0; k < free_.size(); ++k)
     weighted.row(static_cast<Eigen::Index>(k)) = areas_[free_[k]] * values.row(free_[k]);
   const Eigen::MatrixXd start = guess(free_, Eigen::all);
-  add(smooth_solver_->solve(weighted, {.tolerance = solver_tolerance, .guess = &start}, context), free_, fields,
-      context);
+  const SolveOptions options{.tolerance = std::max(tolerance, solver_tolerance), .guess = &start};
+  add(smooth_solver_->solve(weighted, options, context), free_, fields, context);
   return fields;
 }
 
