@@ -60,24 +60,28 @@ Deformer::Impl::Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& 
   summary.fixed_vertices = static_cast<Index>(region.fixed.size());
   summary.handle_vertices = static_cast<Index>(constrained.size());
   validate(options);
-  choose_backend(problem.mask);
+  const SolverBackend of_fields = choose_backends(problem.mask);
   system = std::make_unique<ConstrainedSystem>(problem, options, summary,
                                                other != nullptr ? other->system.get() : nullptr, context);
   if (options.method == DeformMethod::ft05 || system->operators() == nullptr) return;
   const Stopwatch watch;
-  rotations = std::make_unique<RotationField>(*system, options,
+  DeformerOptions field_options = options;
+  field_options.backend = of_fields;
+  rotations = std::make_unique<RotationField>(*system, field_options,
                                               summary.reused ? other->rotations.get() : nullptr, context);
   summary.factorise_seconds += watch.seconds();
 }
 
 /// Chooses the iterative backend for very large regions. Throws Error(memory) if the memory does not suffice.
-void Deformer::Impl::choose_backend(const ConstraintMask& mask) {
+/// Returns the backend for the scalar fields, whose factors may fit the memory beside the iterations.
+SolverBackend Deformer::Impl::choose_backends(const ConstraintMask& mask) {
   const auto free = static_cast<Index>(std::count(mask.position.begin(), mask.position.end(), 0));
   const std::uint64_t memory = available_memory();
   const SolvePath path = choose_path(free, options, memory);
   if (path == SolvePath::proxy)
     throw Error(facts::deform::SolveExceedsMemory{.free = free, .megabytes = memory / 1'000'000});
   if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
+  return factors_of_fields_fit(free, options, memory) ? wanted_backend : options.backend;
 }
 
 /// Finds the field of maps, then solves with it.

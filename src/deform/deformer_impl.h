@@ -41,7 +41,7 @@ struct Deformer::Impl {
                             EvaluationReport* report) const;
 
  private:
-  void choose_backend(const ConstraintMask& mask);
+  SolverBackend choose_backends(const ConstraintMask& mask);
 };
 
 }  // namespace meshgraft

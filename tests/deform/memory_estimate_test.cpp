@@ -40,7 +40,9 @@ TEST(SolvePath, SuitsTheRegionAndTheMemory) {
   const DeformerOptions options;
   EXPECT_EQ(choose_path(0, options, gigabyte), SolvePath::direct);
   EXPECT_EQ(choose_path(50'000, options, 8 * gigabyte), SolvePath::direct);
-  EXPECT_EQ(choose_path(1'000'000, options, 1000 * gigabyte), SolvePath::iterative);
+  EXPECT_EQ(choose_path(1'000'000, options, 1000 * gigabyte), SolvePath::direct);
+  EXPECT_EQ(choose_path(2'000'000, options, 1000 * gigabyte), SolvePath::iterative);
+  EXPECT_EQ(choose_path(1'000'000, {.method = DeformMethod::ft05}, 1000 * gigabyte), SolvePath::iterative);
   EXPECT_EQ(choose_path(1'000'000, options, 2 * gigabyte), SolvePath::proxy);
   // More memory never gives a coarser path, and a larger region never a finer one.
   for (const auto treatment : {DegenerateTreatment::apex, DegenerateTreatment::ft05_noise}) {
@@ -54,6 +56,16 @@ TEST(SolvePath, SuitsTheRegionAndTheMemory) {
         last = path;
       }
     }
+  }
+}
+
+TEST(SolvePath, FactorisesFieldsWhereTheyFitBesideIterations) {
+  for (const Index free : {100'000, 1'000'000, 10'000'000}) {
+    std::uint64_t least = 1'000'000;  // memory with which iterations fit
+    while (choose_path(free, {.backend = SolverBackend::iterative}, least) == SolvePath::proxy)
+      least += least / 16;
+    EXPECT_FALSE(factors_of_fields_fit(free, {}, least));
+    EXPECT_TRUE(factors_of_fields_fit(free, {}, 2 * least));
   }
 }
 

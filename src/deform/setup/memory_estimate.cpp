@@ -32,15 +32,19 @@ std::int64_t estimated_memory(Index free_vertices, const DeformerOptions& option
 
 namespace {
 
-/// Returns the bytes of the whole set-up and a solve, scaled from measurements at a million vertices.
+/// Returns the bytes of the whole set-up and a solve, scaled from measurements at a million vertices. The
+/// fields are solved by iterations, too.
 double iterative_memory(Index free_vertices, const DeformerOptions& options) {
-  return (options.operators.degenerate == DegenerateTreatment::ft05_noise ? 4000.0 : 6600.0) * free_vertices;
+  const bool noise = options.operators.degenerate == DegenerateTreatment::ft05_noise;
+  const double of_fields = options.method == DeformMethod::ft05 ? 0 : 2000;
+  return (of_fields + (noise ? 4000 : 6600)) * free_vertices;
 }
 
 }  // namespace
 
 SolvePath choose_path(Index free_vertices, const DeformerOptions& options, std::uint64_t memory) {
-  constexpr Index most_for_direct = 1'000'000;
+  // Methods with a field solve a dozen times for a pose, so a factorisation pays for larger regions.
+  const Index most_for_direct = options.method == DeformMethod::ft05 ? 1'000'000 : 2'000'000;
   const double available = static_cast<double>(memory);
   const bool direct_fits = 2.0 * static_cast<double>(estimated_memory(free_vertices, options)) <= available,
              iterative_fits = iterative_memory(free_vertices, options) <= available;
@@ -51,6 +55,11 @@ SolvePath choose_path(Index free_vertices, const DeformerOptions& options, std::
     case SolverBackend::iterative: return iterative_fits ? SolvePath::iterative : SolvePath::proxy;
     default: return direct_fits ? SolvePath::direct : SolvePath::proxy;
   }
+}
+
+bool factors_of_fields_fit(Index free_vertices, const DeformerOptions& options, std::uint64_t memory) {
+  constexpr double of_factors = 2100;  // bytes per vertex, measured at a million
+  return iterative_memory(free_vertices, options) + of_factors * free_vertices <= static_cast<double>(memory);
 }
 
 Index proxy_vertices_for(const DeformerOptions& options, std::uint64_t memory) {
