@@ -240,7 +240,7 @@ std::vector<StartTask> start_tasks(bool data, int variants) {
   std::vector<StartTask> tasks;
   std::mt19937 random(7);
   const auto draw = [&](double low, double high) {
-    return low + (high - low) * random() / std::mt19937::max();
+    return low + (high - low) * static_cast<double>(random()) / static_cast<double>(std::mt19937::max());
   };
   const auto direction = [&] { return Vector(draw(-1, 1), draw(-1, 1), draw(-1, 1)); };
   const auto one_of = [&](std::initializer_list<double> values) {
