@@ -43,8 +43,8 @@ double iterative_memory(Index free_vertices, const DeformerOptions& options) {
 }  // namespace
 
 SolvePath choose_path(Index free_vertices, const DeformerOptions& options, std::uint64_t memory) {
-  // Methods with a field solve a dozen times for a pose, so a factorisation pays for larger regions.
-  const Index most_for_direct = options.method == DeformMethod::ft05 ? 1'000'000 : 2'000'000;
+  // `corotational` solves a dozen times for a pose, so a factorisation pays for larger regions.
+  const Index most_for_direct = options.method == DeformMethod::corotational ? 2'000'000 : 1'000'000;
   const double available = static_cast<double>(memory);
   const bool direct_fits = 2.0 * static_cast<double>(estimated_memory(free_vertices, options)) <= available,
              iterative_fits = iterative_memory(free_vertices, options) <= available;
@@ -58,8 +58,10 @@ SolvePath choose_path(Index free_vertices, const DeformerOptions& options, std::
 }
 
 bool factors_of_fields_fit(Index free_vertices, const DeformerOptions& options, std::uint64_t memory) {
-  constexpr double of_factors = 2100;  // bytes per vertex, measured at a million
-  return iterative_memory(free_vertices, options) + of_factors * free_vertices <= static_cast<double>(memory);
+  if (by_eigen(SolverBackend::automatic)) return false;  // its factors take far more
+  constexpr double per_level = 105;  // bytes per vertex and level of the dissection, from a million vertices
+  const double of_factors = per_level * free_vertices * std::log2(std::max(free_vertices, 2));
+  return iterative_memory(free_vertices, options) + of_factors <= static_cast<double>(memory);
 }
 
 Index proxy_vertices_for(const DeformerOptions& options, std::uint64_t memory) {

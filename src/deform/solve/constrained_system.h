@@ -77,7 +77,7 @@ class ConstrainedSystem {
   };
   KnownParts known_parts(const Known& values, const Context& context) const;
   /// Solves with a field that has both parts, without corrections. An iterative solver starts from `guess`
-  /// unless it is null, and ends at a relative error of `tolerance`, or of 1e-6 if that is larger.
+  /// unless it is null, and ends at a relative error of max(`tolerance`, 1e-6).
   Columns solve(const KnownParts& known, const MapField& field, const Columns* guess, double tolerance,
                 const Context& context) const;
   /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any

@@ -13,8 +13,8 @@ namespace meshgraft {
 /// The iterations stop when the root mean square change of the field falls below this, in radians.
 constexpr double settled_change = 1e-4;
 
-/// An iterative backend ends a step's solve, and the smoothing of its field, at errors of these shares of the
-/// change that the step before asked for, in radians. For the first step, that is `first_change`.
+/// The tolerances of an iterative backend, for a step's solve and the smoothing of its field, per radian of the
+/// change that the step before asked for. For the first step and for larger changes, that is `first_change`.
 constexpr double solve_share = 1e-3, smooth_share = 1e-4, first_change = 0.1;
 
 /// The map that the constraints alone give at a point of the surface: F = rotation · stretch.

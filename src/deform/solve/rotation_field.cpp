@@ -317,8 +317,8 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
     const Columns step = fields_.smooth(raw, deviation, context, smooth_share * change) - deviation;
     deviation = mixing.next(deviation, step);
     result.problem.field = compose(blended, deviation, context);
-    change = std::max(std::sqrt(mean_product(step, step, context)), turn);
-    result.change = change;
+    result.change = std::max(std::sqrt(mean_product(step, step, context)), turn);
+    change = std::min(result.change, first_change);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled) break;
