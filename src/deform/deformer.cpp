@@ -80,7 +80,8 @@ SolverBackend Deformer::Impl::choose_backends(const ConstraintMask& mask) {
   const SolvePath path = choose_path(free, options, memory);
   if (path == SolvePath::proxy)
     throw Error(facts::deform::SolveExceedsMemory{.free = free, .megabytes = memory / 1'000'000});
-  if (path == SolvePath::iterative) options.backend = SolverBackend::iterative;
+  if (path != SolvePath::iterative) return options.backend;
+  options.backend = SolverBackend::iterative;
   return factors_of_fields_fit(free, options, memory) ? wanted_backend : options.backend;
 }
 

@@ -318,7 +318,7 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
     deviation = mixing.next(deviation, step);
     result.problem.field = compose(blended, deviation, context);
     result.change = std::max(std::sqrt(mean_product(step, step, context)), turn);
-    change = std::min(result.change, first_change);
+    change = std::min(first_change, result.change);
     ++result.iterations;
     context.step("rotations", static_cast<double>(result.iterations) / iterations_);
     if (result.change < settled) break;

@@ -67,8 +67,8 @@ class SurfaceFields {
 
   /// Returns fields (n×k) that are 0 where values are given and minimise
   /// ∫ |f − values|² + ℓ² (|∇f|² + s² |Δf|²) elsewhere, with s = 0.04 √(area without given values). An
-  /// iterative backend starts from `guess` (n×k), and ends at a relative error of
-  /// max(`tolerance`, 1e-7).
+  /// iterative backend starts from `guess` (n×k), and ends at a relative error of max(`tolerance`,
+  /// 1e-7).
   Columns smooth(const Columns& values, const Columns& guess, const Context& context = {},
                  double tolerance = 0) const;
 
