@@ -31,8 +31,8 @@ Orientation make_orientation(const Eigen::Vector3d& up, const Eigen::Vector3d& f
 
 /// Returns all 24 orientations along the coordinate axes, the most probable one first. Probabilities add up
 /// to 1. A model is taken to have its mirror plane across its side, to stand on a wide base (Fu et al. 2008,
-/// upright orientation), and more often than not to follow a convention: y or z up, and front z with y up, −y
-/// with z up. Give the whole model: a piece of it tells less.
+/// upright orientation), to lean forward if it is closed, and to follow a convention more often than not: y or
+/// z up, and front z with y up, −y with z up. Give the whole model: a piece of it tells less.
 std::vector<OrientationGuess> guess_orientations(const Mesh& mesh);
 
 }  // namespace meshgraft

@@ -2,7 +2,7 @@ import { partToMirror } from "./graft/mirror_latest";
 import type { Editor } from "./editor";
 import type { SelectionChange } from "./graft/graft";
 import type { Command } from "./keys";
-import type { ToolName, ToolSettings } from "./tool_settings";
+import { changingTools, type ToolName, type ToolSettings } from "./tool_settings";
 import type { ViewSettings } from "./view_settings";
 
 /** The dialogs that commands can open. */
@@ -165,10 +165,12 @@ const toolTable: readonly [ToolName, string, string, string][] = [
 
 function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
   const enabled = () => editor.isOpen.value;
+  const canChange = () => enabled() && !editor.graft.isEdited.value;
   return [
     ...toolTable.map(([tool, label, key, help]): Command => ({
       id: `tool-${tool}`, group: "tool", label, keys: [key], help,
-      run: () => (settings.tool.value = tool), enabled, active: () => settings.tool.value === tool,
+      run: () => (settings.tool.value = tool), enabled: changingTools.has(tool) ? canChange : enabled,
+      active: () => settings.tool.value === tool,
     })),
     {
       id: "brush-smaller", group: "tool", label: "Smaller brush", keys: ["["], repeats: true,
@@ -195,7 +197,7 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
   // In graft mode the selection is the fixed part of the source. It exists only while the fixed part is painted.
   const isOpen = () => editor.isOpen.value && (graft.mode.value !== "graft" || graft.paintsFixed.value);
   const some = () => isOpen() && editor.selected.value > 0;
-  const onModel = () => some() && !graft.paintsFixed.value;
+  const canDeform = () => some() && !graft.paintsFixed.value && !graft.isEdited.value;
   const select = (change: SelectionChange) =>
     void (graft.paintsFixed.value ? graft.selectFixed(change) : editor.ask({ do: "select", ...change }));
   const grow = (rings: number) => select({ how: "grow", rings });
@@ -246,17 +248,17 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
     {
       id: "make-handle", group: "select", label: "Make handle", keys: ["shift+H"],
       help: "Makes a handle of the selected vertices.",
-      run: () => tools.handleFromSelection(), enabled: onModel,
+      run: () => tools.handleFromSelection(), enabled: canDeform,
     },
     {
       id: "make-region", group: "select", label: "Make region", keys: ["shift+E"],
       help: "Only the selected vertices may move.",
-      run: () => void editor.ask({ do: "region" }), enabled: onModel,
+      run: () => void editor.ask({ do: "region" }), enabled: canDeform,
     },
     {
       id: "make-fixed", group: "select", label: "Make fixed", keys: ["shift+X"],
       help: "The selected vertices stay where they are.",
-      run: () => void editor.ask({ do: "fixed" }), enabled: onModel,
+      run: () => void editor.ask({ do: "fixed" }), enabled: canDeform,
     },
   ];
 }
@@ -306,7 +308,7 @@ function handleCommands({ editor, settings, tools }: CommandContext): Command[] 
       id: "symmetry", group: "handle", label: "Symmetry", keys: ["Y"],
       help: "Mirrors every edit across a plane.",
       run: () => void editor.setSymmetry(!isSymmetric()),
-      enabled: () => editor.isOpen.value, active: isSymmetric,
+      enabled: () => editor.isOpen.value && !editor.graft.isEdited.value, active: isSymmetric,
     },
     {
       id: "remove-handle", group: "handle", label: "Remove handle", keys: ["Delete", "Backspace"],

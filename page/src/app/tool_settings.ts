@@ -19,6 +19,9 @@ export type ToolName =
   | "measure" // the distance of two clicked points, to scale by
   | "flat"; // lays the model flat on a clicked face
 
+/** The tools that change the model. */
+export const changingTools: ReadonlySet<ToolName> = new Set(["handle", "vertex", "curve", "flat"]);
+
 /** The settings of the tools, changed by panels and read by tools. Lengths in pixels are CSS pixels. */
 export class ToolSettings {
   readonly tool = signal<ToolName>("navigate");

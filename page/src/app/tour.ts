@@ -77,7 +77,7 @@ export const tourSteps: readonly TourStep[] = [
       "Choose Deform, then the tool Handle, and paint over the nose with a finger. Lift it, and a gizmo appears. What you paint moves as one, and the surface within its reach follows.",
     anchors: ['.toolbar [data-label="Handle"]', '[data-mode="deform"]'],
     action: "Hold the head",
-    canRun: ({ box }) => box.value !== null,
+    canRun: (editor) => editor.box.value !== null && !hasGraft(editor),
     run: holdHead,
     progress: (editor) => JSON.stringify(handlesOf(editor).map(({ name }) => name)),
     isReached: (editor) => handlesOf(editor).length > 0,

@@ -36,6 +36,7 @@ export function GroupsPanel({ page }: { page: Page }) {
 
 function GroupRow({ page, name, colour }: { page: Page; name: string; colour: string }) {
   const { editor } = page;
+  const disabled = editor.graft.isEdited.value;
   const select = (how: "set" | "add" | "remove" | "intersect") =>
     void editor.ask({ do: "select", how, what: name });
   return (
@@ -66,12 +67,14 @@ function GroupRow({ page, name, colour }: { page: Page; name: string; colour: st
             label: "Make region",
             icon: "region",
             begins: true,
+            disabled,
             run: () => void editor.ask({ do: "region", select: name }),
           },
-          { label: "Make fixed", icon: "fixed", run: () => void editor.ask({ do: "fixed", select: name }) },
+          { label: "Make fixed", icon: "fixed", disabled, run: () => void editor.ask({ do: "fixed", select: name }) },
           {
             label: "Make handle",
             icon: "handle",
+            disabled,
             run: () => void editor.ask({ do: "handle", what: "add", select: name }),
           },
           {

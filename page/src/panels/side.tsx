@@ -10,6 +10,8 @@ import { MethodPanel } from "./method_panel";
 import { PrintPanel } from "./print_panel";
 import { StepsPanel } from "./steps_panel";
 import { SymmetryPanel } from "./symmetry_panel";
+import { Button } from "./ui/button";
+import { Section } from "./ui/section";
 import { UnitQuestion } from "./unit_question";
 import { ViewPanel } from "./view_panel";
 
@@ -52,20 +54,44 @@ export function Side({ page }: { page: Page }) {
       <Notes page={page} />
       <div class="panels">
         <DefectsPanel page={page} />
-        {mode.value === "deform" && (
-          <>
-            <HandlesPanel page={page} />
-            <MethodPanel page={page} />
-            <SymmetryPanel page={page} />
-            <GroupsPanel page={page} />
-          </>
-        )}
+        {mode.value === "deform" && <DeformPanels page={page} />}
         {mode.value === "graft" && <GraftPanels page={page} />}
         <StepsPanel page={page} />
         <PrintPanel page={page} />
         <ViewPanel page={page} />
       </div>
     </aside>
+  );
+}
+
+function DeformPanels({ page }: { page: Page }) {
+  if (page.editor.graft.isEdited.value)
+    return (
+      <>
+        <GraftFirst page={page} />
+        <GroupsPanel page={page} />
+      </>
+    );
+  return (
+    <>
+      <HandlesPanel page={page} />
+      <MethodPanel page={page} />
+      <SymmetryPanel page={page} />
+      <GroupsPanel page={page} />
+    </>
+  );
+}
+
+/** Takes the place of what deforms while a graft is edited. */
+function GraftFirst({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  return (
+    <Section title="Deform" hint="Moves, turns and scales parts of the model." startsOpen>
+      <div class="empty">
+        <p>A graft is being edited. Accept or cancel it, then deform its result.</p>
+        <Button label="Show the graft" kind="primary" onClick={() => (graft.mode.value = "graft")} />
+      </div>
+    </Section>
   );
 }
 

@@ -27,9 +27,11 @@ export function StartScreen({ page }: { page: Page }) {
           </div>
         </div>
         <div class="start-columns">
-          <div>
+          <div class="start-own">
             {models.length > 0 && <Models page={page} title="Your models" models={models} />}
             {recent.length > 0 && <Models page={page} title="Recent" models={recent} />}
+          </div>
+          <div class="start-samples">
             <h2>Samples</h2>
             <ul class="cards">
               {(welcome?.samples ?? []).map(({ name, description }) => (
@@ -43,7 +45,7 @@ export function StartScreen({ page }: { page: Page }) {
               ))}
             </ul>
           </div>
-          <div>
+          <div class="start-files">
             <h2>From this computer</h2>
             <DropArea page={page} />
             <h2>Folders</h2>

@@ -138,6 +138,7 @@ function MeasuredLength({ page }: { page: Page }) {
         unit={unit}
         suffix={unit === "none" ? "" : unit}
         above={0}
+        disabled={editor.graft.isEdited.value}
         onChange={(wanted) => void scaleTo(wanted)}
       />
     </>

@@ -41,9 +41,13 @@ test("an earlier graft is edited again with the later steps set aside, and they 
     expect.stringContaining("2. Cut: bust"),
     expect.stringContaining("3. Shape: bust"),
   ]);
+  for (const name of ["Handle", "Lay flat"])
+    expect(await page.getByRole("button", { name, exact: true }).isDisabled()).toBe(true);
+  await user.press("a"); // selects all, which nothing may be made of
+  expect(await page.getByRole("button", { name: "Make handle" }).isDisabled()).toBe(true);
   await user.rests();
   await user.screenshot("steps-set-aside");
-  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.click("Show the graft");
   await page.getByText(/^2 later steps are set aside/).waitFor();
   await page.getByText("Manual", { exact: true }).click();
   await grafted(user);

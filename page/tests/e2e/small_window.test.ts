@@ -43,6 +43,18 @@ test("nothing is cut off in a small window, and the panels fold", async () => {
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
+test("the start screen of a narrow window shows files before samples", async () => {
+  harness = await EditorHarness.open({ size: { width: 800, height: 600 }, files: { "scan.ply": ["bar", "--resolution", "8"] } });
+  const { user } = harness;
+  const { page } = user;
+  await page.getByRole("list", { name: "Files" }).locator("img.thumbnail").first().waitFor();
+  await user.screenshot("small-window-start");
+  const top = (title: string) =>
+    page.getByRole("heading", { name: title }).evaluate((heading) => heading.getBoundingClientRect().top);
+  expect(await top("From this computer")).toBeLessThan(await top("Samples"));
+  expect(await cutOff(user, ".start")).toEqual([]);
+}, 120_000);
+
 /** Returns the grips of the gizmo, and the reach, that something else covers. */
 function coveredGrips(user: User): Promise<string[]> {
   return user.page.evaluate(() => {

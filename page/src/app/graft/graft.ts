@@ -69,6 +69,8 @@ export class Graft {
     const graft = this.host.state.value?.graft ?? null;
     return graft === null ? undefined : readStep(graft.step);
   });
+  /** Whether a graft is edited. The engine then refuses other changes of the model. */
+  readonly isEdited = computed(() => this.kept.value !== undefined);
   /** The graft step as shown: the document's, with the dragged fields on top. */
   readonly step = computed((): GraftStep | undefined => {
     const { value: kept } = this.kept;
