@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -149,17 +150,17 @@ class LatticeBlock {
  public:
   LatticeBlock(const SparseField& field, const SparseField::Block& block)
       : field_(field), base_(2 * SparseField::block_cells * block.position) {
-    constexpr int n = SparseField::block_cells + 1;
-    for (int odd = 0; odd < 2; ++odd)
-      for (int z = 0; z < n; ++z)
-        for (int y = 0; y < n; ++y)
-          for (int x = 0; x < n; ++x) {
-            const Eigen::Vector3i local = 2 * Eigen::Vector3i(x, y, z) + Eigen::Vector3i::Constant(odd);
-            values_[slot(local)] = field.distance(field.lattice_point(base_ + local), block);
-          }
+    evaluate(block, 0);
+    // Every centre has a corner within half a cell along each axis.
+    const double across = std::sqrt(0.75) * field.cell();
+    const auto corners = std::span(values_).first(points);
+    meets_surface_ = std::ranges::any_of(
+        corners, [&](double d) { return (d < 0) != (corners[0] < 0) || !field.is_clear(d, across); });
+    if (meets_surface_) evaluate(block, 1);
   }
 
   void cut(std::vector<CutTriangle>& out) const {
+    if (!meets_surface_) return;
     for (int z = 0; z < SparseField::block_cells; ++z)
       for (int y = 0; y < SparseField::block_cells; ++y)
         for (int x = 0; x < SparseField::block_cells; ++x)
@@ -182,8 +183,25 @@ class LatticeBlock {
   }
 
  private:
+  static constexpr int n = SparseField::block_cells + 1, points = n * n * n;
+
+  // Evaluates the field at the corners of cells (0) or at their centres (1).
+  void evaluate(const SparseField::Block& block, int odd) {
+    constexpr int together = 8;
+    for (int first = 0; first < points; first += together) {
+      PointBatch<together> batch;
+      for (int i = 0; i < together; ++i) {
+        const int at = std::min(first + i, points - 1);
+        const Eigen::Vector3i local =
+            2 * Eigen::Vector3i(at % n, at / n % n, at / (n * n)) + Eigen::Vector3i::Constant(odd);
+        batch.set(i, field_.lattice_point(base_ + local));
+      }
+      const Values<together> d = field_.distances(batch, block);
+      std::copy_n(d.data(), std::min(together, points - first), values_.begin() + odd * points + first);
+    }
+  }
+
   static std::size_t slot(const Eigen::Vector3i& local) {
-    constexpr int n = SparseField::block_cells + 1;
     const int odd = local.x() & 1;
     return ((odd * n + local.z() / 2) * n + local.y() / 2) * n + local.x() / 2;
   }
@@ -245,9 +263,8 @@ class LatticeBlock {
 
   const SparseField& field_;
   Eigen::Vector3i base_;
-  std::array<double, 2 * (SparseField::block_cells + 1) * (SparseField::block_cells + 1) *
-                         (SparseField::block_cells + 1)>
-      values_{};
+  std::array<double, 2 * points> values_{};
+  bool meets_surface_ = true;
 };
 
 }  // namespace

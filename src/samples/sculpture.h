@@ -14,6 +14,18 @@ namespace meshgraft::samples {
 
 using Vec3 = Eigen::Vector3d;
 
+/// A number for each of n points.
+template <int n>
+using Values = Eigen::Array<double, n, 1>;
+
+/// Points whose distances are computed together, several at once in the processor's vector registers.
+template <int n>
+struct PointBatch {
+  Values<n> x, y, z;
+
+  void set(int index, const Vec3& point) { x[index] = point.x(), y[index] = point.y(), z[index] = point.z(); }
+};
+
 /// The way a stroke joins the strokes before it.
 struct Brush {
   Vec3 colour{0.80, 0.76, 0.70};  ///< sRGB, 0 … 1
@@ -52,8 +64,9 @@ class Sculpture {
   /// Returns a box that contains the added strokes.
   void bounds(Vec3& low, Vec3& high) const;
 
-  /// Returns the signed distance, using only the strokes in `active` (ascending).
-  double distance(const Vec3& x, std::span<const int> active) const;
+  /// Returns the signed distances, using only the strokes in `active` (ascending). n is 1, 4 or 8.
+  template <int n>
+  Values<n> distances(const PointBatch<n>& points, std::span<const int> active) const;
   /// Returns the colours of the strokes, mixed where they blend.
   Vec3 colour(const Vec3& x, std::span<const int> active) const;
 
@@ -77,7 +90,12 @@ class Sculpture {
 
   /// Returns 0 on a rib's crest … 1 at the bottom of a groove.
   static double rib_depth(const Stroke& stroke, const Vec3& radial, double length);
-  static double stroke_distance(const Stroke& stroke, const Vec3& x);
+  template <int n>
+  static Values<n> stroke_distances(const Stroke& stroke, const PointBatch<n>& points);
+  /// Returns the distances from the strokes of the group that begins at active[begin], and moves `begin` behind
+  /// the group.
+  template <int n>
+  Values<n> group_distances(const PointBatch<n>& points, std::span<const int> active, std::size_t& begin) const;
 
   std::vector<Stroke> strokes_;
   std::function<double(const Vec3&)> relief_;
@@ -98,12 +116,18 @@ class SparseField {
   SparseField(const Sculpture& sculpture, double cell, const Context& context);
 
   const std::vector<Block>& blocks() const { return blocks_; }
+  double cell() const { return cell_; }
   int cells_per_side() const { return blocks_per_side_ * block_cells; }
   /// Returns a point of the lattice; coordinates are in half cells.
   Vec3 lattice_point(const Eigen::Vector3i& half_cells) const {
     return origin_ + 0.5 * cell_ * half_cells.cast<double>();
   }
-  double distance(const Vec3& x, const Block& block) const { return sculpture_.distance(x, block.active); }
+  Values<8> distances(const PointBatch<8>& points, const Block& block) const {
+    return sculpture_.distances(points, block.active);
+  }
+
+  /// Returns whether no surface lies within `radius` of a point at the distance `d`.
+  bool is_clear(double d, double radius) const;
 
   Vec3 colour(const Vec3& x) const { return sculpture_.colour(x, active_at(x)); }
   /// Returns the value and the gradient, by differences over a small regular tetrahedron.
