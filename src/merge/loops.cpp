@@ -140,11 +140,10 @@ std::vector<Index> checked_loop(const Mesh& mesh, facts::merge::Side side, const
   return MeshLoops(mesh, side).require_loop(listed, {});
 }
 
-void require_held_components(const Mesh& source, std::span<const LoopPair> pairs) {
-  Index count = 0;
-  const std::vector<Index> component = connected_components(source, &count);
+void require_held_components(std::span<const Index> component, std::span<const LoopPair> pairs) {
+  const Index count = component.empty() ? 0 : std::ranges::max(component) + 1;
   std::vector<Index> size(count, 0), first(count, -1);
-  for (Index v = 0; v < source.vertex_count(); ++v) {
+  for (Index v = 0; v < static_cast<Index>(component.size()); ++v) {
     if (component[v] < 0) continue;
     if (size[component[v]]++ == 0) first[component[v]] = v;
   }

@@ -27,8 +27,8 @@ std::vector<Index> checked_loop(const Mesh& mesh, facts::merge::Side side, const
 std::vector<std::size_t> usable_loops(const Mesh& mesh);
 
 /// Throws Error(input) with the id merge.component_without_pair for the first component of the source that no
-/// pair constrains.
-void require_held_components(const Mesh& source, std::span<const LoopPair> pairs);
+/// pair constrains. `component` has the component of each vertex (`connected_components`).
+void require_held_components(std::span<const Index> component, std::span<const LoopPair> pairs);
 
 /// Returns the points of a loop and the surface's unit normals along it. The normals are those of the uncut
 /// surface where the mesh stores them (`cut_normal_name`), else `vertex_normals`.

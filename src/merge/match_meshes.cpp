@@ -7,6 +7,7 @@
 #include <meshgraft/merge/merge.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "core/parallel.h"
 #include "loops.h"
 #include "match_by_arc_length.h"
 #include "match_loops.h"
@@ -31,12 +32,20 @@ Mesh oriented_as_target(const Mesh& source, const Mesh& target, bool may_turn) {
 /// Returns the orientations that the options give, and guesses those they do not. Guesses nothing where no
 /// start has to be found.
 ModelOrientations model_orientations(const Mesh& target, const Mesh& source, std::span<const MergePair> pairs,
-                                     const MergeOptions& options) {
+                                     const MergeOptions& options, const Context& context = {}) {
   ModelOrientations found{options.target_orientations, options.source_orientations};
-  const bool wanted = options.pose == MergePose::find &&
-                      std::ranges::any_of(pairs, [](const MergePair& pair) { return pair.matches.empty(); });
-  if (wanted && found.target.empty()) found.target = guess_orientations(target);
-  if (wanted && found.source.empty()) found.source = guess_orientations(source);
+  if (options.pose != MergePose::find ||
+      std::ranges::none_of(pairs, [](const MergePair& pair) { return pair.matches.empty(); }))
+    return found;
+  parallel_blocks(
+      2,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t side = begin; side < end; ++side) {
+          std::vector<OrientationGuess>& guesses = side == 0 ? found.target : found.source;
+          if (guesses.empty()) guesses = guess_orientations(side == 0 ? target : source);
+        }
+      },
+      context, 1);
   return found;
 }
 
@@ -53,14 +62,15 @@ MatchedMeshes match_meshes(const Mesh& target, const Mesh& source, std::span<con
   MatchedMeshes matched{.target = target, .given_vertices = source.vertex_count()};
   Mesh oriented = oriented_as_target(source, target, options.fix_winding);
   std::vector<LoopPair> checked = checked_loops(target, oriented, pairs);
-  require_held_components(oriented, checked);
+  matched.component = connected_components(oriented);
+  require_held_components(matched.component, checked);
   matched.geometry = pair_geometry(target, oriented, checked, options.smooth_boundary);
   matched.correspondences =
-      match_loops(matched.geometry, pairs, connected_components(oriented), options.pose == MergePose::keep,
-                  model_orientations(target, source, pairs, options));
+      match_loops(matched.geometry, pairs, matched.component, options.pose == MergePose::keep,
+                  model_orientations(target, source, pairs, options, context));
   matched.source = refine_source(std::move(oriented), std::move(checked), options.seam, context);
-  matched.component = connected_components(matched.source.mesh);
   if (matched.source.added == 0) return matched;
+  matched.component = connected_components(matched.source.mesh);
   matched.geometry = pair_geometry(target, matched.source.mesh, matched.source.pairs, options.smooth_boundary);
   for (std::size_t p = 0; p < pairs.size(); ++p)
     matched.correspondences[p] =

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <ranges>
 #include <utility>
 
 #include <meshgraft/mesh/topology.h>
@@ -44,16 +45,17 @@ void take_refined(RefinedSource& source, RefineResult refined) {
 /// loops (design: "few boundary vertices for a large region").
 void refine_around_loops(RefinedSource& source, double edge_ratio, const Context& context) {
   constexpr int rings_around = 2;  // chosen
-  for (int level = 0; level < most_levels; ++level) {
+  const auto is_coarse = [&](const LoopPair& pair) {
+    return static_cast<double>(pair.target.size()) > edge_ratio * static_cast<double>(pair.source.size());
+  };
+  for (int level = 0; level < most_levels && std::ranges::any_of(source.pairs, is_coarse); ++level) {
     const IndexLists rings = vertex_rings(source.mesh.vertex_count(), source.mesh.faces);
     std::vector<Index> coarse;
     for (const LoopPair& pair : source.pairs) {
-      if (static_cast<double>(pair.target.size()) <= edge_ratio * static_cast<double>(pair.source.size()))
-        continue;
+      if (!is_coarse(pair)) continue;
       const std::vector<Index> vertices = grow_rings(pair.source, rings_around, rings);
       coarse.insert(coarse.end(), vertices.begin(), vertices.end());
     }
-    if (coarse.empty()) return;
     take_refined(source, split_edges_within(source.mesh, coarse, context));
   }
 }
@@ -81,9 +83,11 @@ void refine_within_radii(RefinedSource& source, const Context& context) {
       return !(keeps_its_loop[a] && keeps_its_loop[b]) &&
              (points.row(a) - points.row(b)).norm() > (1 + rounding) * std::min(longest[a], longest[b]);
     };
-    RefineResult refined = split_edges(source.mesh, is_long, context);
-    if (refined.parents.empty()) return;
-    take_refined(source, std::move(refined));
+    const auto has_long_edge = [&](Index v) {
+      return std::ranges::any_of(rings[v], [&](Index other) { return is_long(v, other); });
+    };
+    if (std::ranges::none_of(std::views::iota(Index{0}, source.mesh.vertex_count()), has_long_edge)) return;
+    take_refined(source, split_edges(source.mesh, is_long, context));
   }
 }
 
