@@ -116,9 +116,9 @@ function editCommands({ editor, tools, page }: CommandContext): Command[] {
     {
       id: "accept", group: "edit", label: "Accept step", keys: ["ctrl+Enter"],
       help: "Finishes this step. The next one starts from its result.",
-      run: () => void (editor.graft.kept.value === undefined ? editor.ask({ do: "accept" }) : editor.graft.accept()),
+      run: () => void (editor.graft.isEdited.value ? editor.graft.accept() : editor.ask({ do: "accept" })),
       enabled: () =>
-        editor.graft.kept.value === undefined ? hasHandles() : editor.graft.report.value?.error === undefined,
+        editor.graft.isEdited.value ? editor.graft.report.value?.error === undefined : hasHandles(),
     },
     {
       id: "done", group: "edit", label: "Done", keys: [],

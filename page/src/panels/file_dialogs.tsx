@@ -275,7 +275,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
         onChange={(to) => (extension.value = to)}
       />
       <p class="hint">{format.keeps}</p>
-      {!asMorph && graft.kept.value === undefined && <Content page={page} extension={format.extension} part={part} />}
+      {!asMorph && !graft.isEdited.value && <Content page={page} extension={format.extension} part={part} />}
       {format.morphTargets === true && (
         <Toggle
           label="As a morph target"

@@ -154,7 +154,7 @@ export class Graft {
   async startWith(name: string): Promise<void> {
     const part = this.byName(name);
     const { value: model } = this.model;
-    if (part === undefined || model === undefined || this.kept.value !== undefined) return;
+    if (part === undefined || model === undefined || this.isEdited.value) return;
     if (part.loops === 1 && model.loops === 1) await this.startAlone(name);
     else this.arrangement.value = "apart";
   }
@@ -166,7 +166,7 @@ export class Graft {
 
   /** Changes the graft of the document, or starts one. `withPart`: its part was added for it. */
   async set(fields: GraftFields, withPart = false): Promise<boolean> {
-    const starts = this.kept.value === undefined;
+    const starts = !this.isEdited.value;
     this.drags.forget();
     const done = await this.host.ask({ do: "graft", ...fields, ...(withPart && { with_part: true }) });
     batch(() => {

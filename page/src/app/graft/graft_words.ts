@@ -53,7 +53,7 @@ export function graftWords(graft: Graft): LiveWords {
     case "fixed":
       return idle("Painting the fixed area");
     case "loops":
-      return graft.kept.value === undefined ? beforeGraft(graft) : inGraft(graft, graft.pairs.value.length);
+      return graft.isEdited.value ? inGraft(graft, graft.pairs.value.length) : beforeGraft(graft);
   }
 }
 

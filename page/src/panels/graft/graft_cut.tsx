@@ -8,7 +8,7 @@ import { CutClosingFields } from "./cut_closing";
 /** Cuts the model or a part open, by a plane or along a drawn curve. */
 export function CutPanel({ page }: { page: Page }) {
   const { graft } = page.editor;
-  const inWork = graft.kept.value !== undefined;
+  const inWork = graft.isEdited.value;
   const tool = graft.tool.value;
   const chosen = tool === "plane" || tool === "stroke" ? tool : "none";
   return (

@@ -21,7 +21,7 @@ import "./graft.css";
 /** All panels of graft mode. */
 export function GraftPanels({ page }: { page: Page }) {
   const { graft } = page.editor;
-  const inWork = graft.kept.value !== undefined;
+  const inWork = graft.isEdited.value;
   const top = useRef<HTMLDivElement>(null);
   // The next action is at the top, so scroll there even if the user has scrolled down through the library.
   useEffect(() => top.current?.scrollIntoView({ block: "nearest" }), [inWork, graft.parts.value.length, graft.tool.value]);

@@ -32,7 +32,7 @@ function PartRow({ page, part }: { page: Page; part: MeshObject }) {
   const { editor } = page;
   const { graft } = editor;
   const isSource = graft.step.value?.source === part.name;
-  const idle = graft.kept.value === undefined;
+  const idle = !graft.isEdited.value;
   const shown = graft.isShown(part);
   const known = () => Promise.resolve(part.name);
   const details = `${counted(part.loops, "loop")}${part.grafted ? ", grafted" : ""}`;

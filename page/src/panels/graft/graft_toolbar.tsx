@@ -37,7 +37,7 @@ const touchHints: Partial<Record<GraftTool, string>> = {
 /** The tools of graft mode, at the left. */
 export function GraftToolbar({ page }: { page: Page }) {
   const { graft } = page.editor;
-  const busy = graft.kept.value !== undefined;
+  const busy = graft.isEdited.value;
   return (
     <ToolRail>
       <div class="tool-groups" role="toolbar" aria-orientation="vertical" aria-label="Tools">

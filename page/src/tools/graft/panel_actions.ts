@@ -24,7 +24,7 @@ export class GraftPanelActions implements GraftActions {
   }
 
   dragPart(add: () => Promise<string | undefined>, press: PointerEvent): void {
-    if (press.button !== 0 || this.editor.graft.kept.value !== undefined) return;
+    if (press.button !== 0 || this.editor.graft.isEdited.value) return;
     let begun: Promise<boolean> | undefined;
     let last: PointerEvent = press;
     const move = (event: PointerEvent) => {
@@ -53,7 +53,7 @@ export class GraftPanelActions implements GraftActions {
   }
 
   async dropByClick(add: () => Promise<string | undefined>): Promise<void> {
-    if (this.editor.graft.kept.value === undefined) await this.begin(add);
+    if (!this.editor.graft.isEdited.value) await this.begin(add);
   }
 
   private async begin(add: () => Promise<string | undefined>, then = () => {}): Promise<boolean> {
