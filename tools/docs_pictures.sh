@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures of README and docs again: each example before and after, those of docs/method.md, docs/files.md
-# and docs/repair.md, and the tour of docs/editor.md. make docs-pictures builds the program first.
+# and docs/repair.md, the tour of docs/editor.md, and the page's pictures of the samples. make docs-pictures builds the program first.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=build/release/meshgraft
@@ -21,6 +21,12 @@ for edit in examples/*.json; do
   "$program" "$command" "$edit" -o "$scratch/$name.ply" --picture "docs/images/$name.png" $size
   echo "docs/images/$name.png"
   made=$((made + 1))
+done
+
+# The samples, as the editor's page shows them.
+for name in $("$program" sample --list | cut -d ' ' -f 1); do
+  "$program" sample "$name" -o "$scratch/$name.ply"
+  "$program" render "$scratch/$name.ply" -o "page/public/samples/$name.png" --no-ground --width 144 --height 144
 done
 
 # The same graft by both shapes: FT05's figures 1, 6, 7 and 8 with our own samples.

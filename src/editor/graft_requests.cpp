@@ -5,7 +5,6 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/io/mesh_io.h>
-#include <meshgraft/samples/samples.h>
 
 #include "editor/facts.h"
 #include "graft_actions.h"
@@ -43,14 +42,6 @@ Json loop_json(const Points& points, const std::vector<Index>& loop) {
   }
   const Eigen::RowVector3d centre = length > 0 ? (moment / length).eval() : points.row(loop.front()).eval();
   return {{"vertices", loop.size()}, {"length", length}, {"centre", {centre.x(), centre.y(), centre.z()}}};
-}
-
-// Returns the resolution of a sample for a picture of `pixels` pixels: edges of about two pixels. A default
-// resolution takes several times as long and looks the same (all thumbnails 2.3 instead of 5.0 s of processor
-// time).
-int resolution_for_picture(std::string_view name, int pixels) {
-  const auto info = std::ranges::find(sample_list(), name, &SampleInfo::name);
-  return info == sample_list().end() ? 0 : std::min(pixels / 2, info->default_resolution);
 }
 
 }  // namespace
@@ -262,18 +253,14 @@ Json Worker::shown_graft() {
 }
 
 Json Worker::thumbnail(const json::Value& message, const Context&) {
-  const json::Object fields(message, {"id", "do", "path", "sample", "upload", "mesh", "size"});
-  require_one_of(message, {"path", "sample", "upload", "mesh"});
+  const json::Object fields(message, {"id", "do", "path", "upload", "mesh", "size"});
+  require_one_of(message, {"path", "upload", "mesh"});
   Thumbnails::Task task;
   task.request = {message.raw().at("id"), "thumbnail", {}};
   fields.optional("size", [&](const json::Value& v) { task.size = static_cast<int>(v.integer_in(16, 512)); });
   if (fields.has("mesh")) {
     task.mesh = [state = object_of(fields)->shared_state](const Context&) {
       return std::shared_ptr<const Mesh>(state, &state->mesh);
-    };
-  } else if (fields.has("sample")) {
-    task.mesh = [name = fields.required("sample").name(), size = task.size](const Context& context) {
-      return std::make_shared<const Mesh>(make_sample(name, resolution_for_picture(name, size), context));
     };
   } else {
     const std::filesystem::path file = mesh_file(fields);

@@ -4,19 +4,25 @@ import type { Outcome } from "../engine/connection";
 import type { Id, PageRequest } from "../protocol";
 
 /** The object that a picture shows. */
-export type Pictured = { path: string } | { sample: string } | { upload: string } | { mesh: string };
+export type Pictured = { sample: string } | Rendered;
+
+/** An object whose picture the engine renders. */
+type Rendered = { path: string } | { upload: string } | { mesh: string };
 
 /** The address of a picture; null while it is made, "none" if there is none. */
 export type Picture = string | null;
 
 interface Wanted {
   readonly key: string;
-  readonly of: Pictured;
+  readonly of: Rendered;
 }
 
 const pictureSize = 128;
 
-/** Pictures of parts. The engine makes them one after another, each once, and none that is no longer shown. */
+/**
+ * Pictures of parts. Those of samples come with the page. The engine makes the others one after another, each once, and
+ * none that is no longer shown.
+ */
 export class Library {
   private readonly pictures = new Map<string, Signal<Picture>>();
   private readonly shown = new Map<string, number>(); // how many components show a picture, by its key
@@ -34,8 +40,9 @@ export class Library {
     const key = keyOf(of, version);
     const known = this.pictures.get(key);
     if (known !== undefined) return known;
-    const made = signal<Picture>(null);
+    const made = signal<Picture>("sample" in of ? `samples/${of.sample}.png` : null);
     this.pictures.set(key, made);
+    if ("sample" in of) return made;
     const together = this.openList();
     if ("mesh" in of) together.unshift({ key, of }); // open objects come first
     else together.push({ key, of });

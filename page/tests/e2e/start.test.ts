@@ -19,6 +19,13 @@ test("tab visits no view cube while nothing is shown", async () => {
   expect(await page.locator(".view-cube").isVisible()).toBe(false);
 });
 
+test("each sample has a picture", async () => {
+  const { page } = harness.user;
+  await page.getByRole("button", { name: /^octopus/ }).waitFor();
+  const widths = () => page.locator(".start-samples img").evaluateAll((all) => all.map((one) => (one as HTMLImageElement).naturalWidth));
+  await expect.poll(widths).toEqual(Array.from({ length: await page.locator(".start-samples li").count() }, () => 144));
+});
+
 test("opens a sample from a fresh page", async () => {
   const { user } = harness;
   await user.click(/octopus/i);

@@ -17,7 +17,7 @@ class Engine {
       return { id, answer: Promise.resolve({} as Outcome) };
     }
     if (request.do !== "thumbnail") throw new Error(`${request.do} is not asked for`);
-    this.asked.push(request.sample ?? "");
+    this.asked.push("path" in request ? (request.path ?? "") : "");
     const answer = new Promise<Outcome>((resolve, reject) => {
       this.running = { id, made: () => resolve({} as Outcome), cancelled: () => reject(new Error("cancelled")) };
     });
@@ -35,10 +35,10 @@ const settled = () => new Promise((resolve) => setTimeout(resolve));
 test("pictures that are no longer shown are not made, and are made once they are shown again", async () => {
   const engine = new Engine();
   const { library } = engine;
-  const samples = ["octopus", "head", "bust"];
-  for (const sample of samples) library.picture({ sample });
-  const [, hideHead, hideBust] = samples.map((sample) => library.show({ sample }));
-  const hideBustElsewhere = library.show({ sample: "bust" });
+  const files = ["octopus", "head", "bust"];
+  for (const path of files) library.picture({ path });
+  const [, hideHead, hideBust] = files.map((path) => library.show({ path }));
+  const hideBustElsewhere = library.show({ path: "bust" });
   hideHead?.();
   hideBust?.();
   await settled();
@@ -46,16 +46,16 @@ test("pictures that are no longer shown are not made, and are made once they are
   await engine.make();
   expect(engine.asked).toEqual(["octopus", "bust"]);
   hideBustElsewhere();
-  library.picture({ sample: "head" });
-  library.picture({ sample: "octopus" });
+  library.picture({ path: "head" });
+  library.picture({ path: "octopus" });
   await settled();
   expect(engine.asked).toEqual(["octopus", "bust", "head"]);
 });
 
 test("pictures give way to other work, and are made after it", async () => {
   const engine = new Engine();
-  const first = engine.library.picture({ sample: "octopus" });
-  engine.library.picture({ sample: "head" });
+  const first = engine.library.picture({ path: "octopus" });
+  engine.library.picture({ path: "head" });
   await settled();
   expect(engine.asked).toEqual(["octopus"]);
 
@@ -70,4 +70,10 @@ test("pictures give way to other work, and are made after it", async () => {
   await engine.make();
   await engine.make();
   expect(engine.asked).toEqual(["octopus", "cancel", "octopus", "head"]);
+});
+
+test("samples have pictures without the engine", () => {
+  const engine = new Engine();
+  expect(engine.library.picture({ sample: "octopus" }).value).toBe("samples/octopus.png");
+  expect(engine.asked).toEqual([]);
 });
