@@ -1,7 +1,7 @@
 // Follows the guided tour of the first start.
 import { afterEach, expect, test } from "vitest";
 import { gripOf, poseOf } from "./grips";
-import { EditorHarness, type User } from "./harness";
+import { EditorHarness, theme, type User } from "./harness";
 
 let harness: EditorHarness | undefined;
 afterEach(async () => {
@@ -11,18 +11,17 @@ afterEach(async () => {
 
 const bubble = ({ page }: User, title: string) => page.getByRole("dialog", { name: title });
 
-test.each([false, true])("the buttons of six bubbles lead through an edit of a sample (dark: %s)", async (dark) => {
-  harness = await EditorHarness.open({ firstStart: true, dark });
+test("the buttons of six bubbles lead through an edit of a sample", async () => {
+  harness = await EditorHarness.open({ firstStart: true });
   const { user } = harness;
   const { page } = user;
-  const name = dark ? "dark" : "light";
   const titles = ["Open a model", "Graft another one onto it", "Change it, and accept it", "Take hold of something", "Move it", "Keep it"];
   const actions = ["Open bust", "Graft the head", "Accept the graft", "Hold the head", "Turn the head", "Finish"];
   for (const [k, title] of titles.entries()) {
     await bubble(user, title).waitFor({ timeout: 60_000 });
     await bubble(user, title).getByText(`${k + 1} of 6`).waitFor();
     if (await page.evaluate(() => window.meshgraft.editor.state.value !== null)) await user.rests();
-    await user.screenshot(`tour-${k + 1}-${name}`);
+    await user.screenshot(`tour-${k + 1}-${theme}`);
     await bubble(user, title).getByRole("button", { name: actions[k] as string }).click();
   }
   await bubble(user, "Keep it").waitFor({ state: "detached" });
@@ -118,14 +117,14 @@ test("a bubble stays until its step is done or the user goes on, and a reload re
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
-test.each([false, true])("the tour speaks of fingers on a screen that fingers touch (dark: %s)", async (dark) => {
-  harness = await EditorHarness.open({ firstStart: true, touch: true, dark, size: { width: 800, height: 600 } });
+test("the tour speaks of fingers on a screen that fingers touch", async () => {
+  harness = await EditorHarness.open({ firstStart: true, touch: true, size: { width: 800, height: 600 } });
   const { user } = harness;
   await bubble(user, "Open a model").getByText("Tap bust").waitFor();
-  await user.screenshot(`tour-touch-${dark ? "dark" : "light"}`);
+  await user.screenshot(`tour-touch-${theme}`);
   await bubble(user, "Open a model").getByRole("button", { name: "Open bust" }).tap();
   await bubble(user, "Graft another one onto it").waitFor();
   await user.rests();
-  await user.screenshot(`tour-touch-graft-${dark ? "dark" : "light"}`);
+  await user.screenshot(`tour-touch-graft-${theme}`);
   expect(user.complaints).toEqual([]);
 }, 60_000);

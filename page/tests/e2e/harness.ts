@@ -23,6 +23,9 @@ const browserPath = process.env["MESHGRAFT_CHROMIUM"] ?? "/usr/bin/chromium";
 // without a GPU, and less than 1 changes neither the layout nor where the pointer is.
 const pixelRatio = Number(process.env["MESHGRAFT_PIXEL_RATIO"] ?? 0.25);
 
+/** The theme in which a test runs unless it asks for one: the light one, but for MESHGRAFT_DARK. */
+export const theme = process.env["MESHGRAFT_DARK"] === undefined ? "light" : "dark";
+
 // Runs without a display or a GPU, and without network requests of its own.
 const browserArguments = [
   "--no-sandbox",
@@ -332,7 +335,7 @@ export class EditorHarness {
     const context = await (await sharedBrowser()).newContext({
       viewport: options.size ?? { width: 1280, height: 800 },
       deviceScaleFactor: pixelRatio,
-      colorScheme: options.dark === true ? "dark" : "light",
+      colorScheme: options.dark === true ? "dark" : theme,
       reducedMotion: "reduce",
       hasTouch: options.touch === true,
       isMobile: options.touch === true,

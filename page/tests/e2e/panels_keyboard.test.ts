@@ -1,6 +1,6 @@
 import { existsSync } from "node:fs";
 import { expect, test } from "vitest";
-import { EditorHarness, type User } from "./harness";
+import { EditorHarness, theme, type User } from "./harness";
 
 /** Presses tab until an element of this name has the focus. */
 async function tabTo(user: User, name: RegExp, most = 60): Promise<void> {
@@ -27,13 +27,12 @@ async function hasVisibleFocus(user: User): Promise<boolean> {
   });
 }
 
-test.each([false, true])("a model is opened, deformed and saved without a pointer (dark: %s)", async (dark) => {
-  const harness = await EditorHarness.open({ dark, size: { width: 1024, height: 700 } });
+test("a model is opened, deformed and saved without a pointer", async () => {
+  const harness = await EditorHarness.open({ size: { width: 1024, height: 700 } });
   const { user, folder } = harness;
   const { page } = user;
-  const name = dark ? "dark" : "light";
   try {
-    await user.screenshot(`panels-start-${name}`);
+    await user.screenshot(`panels-start-${theme}`);
     await tabTo(user, /^bar/);
     expect(await hasVisibleFocus(user)).toBe(true);
     await user.press("Enter");
@@ -56,7 +55,7 @@ test.each([false, true])("a model is opened, deformed and saved without a pointe
     await page.keyboard.type("0.5");
     await user.press("Enter");
     await user.settle();
-    await user.screenshot(`panels-keyboard-${name}`);
+    await user.screenshot(`panels-keyboard-${theme}`);
     expect(await page.evaluate(() => window.meshgraft.editor.state.value?.handles[0]?.pose)).toEqual({ translate: [0.5, 0, 0] });
 
     await user.press("ArrowUp"); // raises the number by a step
@@ -79,7 +78,7 @@ test.each([false, true])("a model is opened, deformed and saved without a pointe
     await tabTo(user, /^Natural|^Method/);
     await user.press("F1");
     await page.getByRole("dialog").getByText("Two-minute tour").waitFor();
-    await user.screenshot(`panels-help-${name}`);
+    await user.screenshot(`panels-help-${theme}`);
     await user.press("Escape");
     await page.getByRole("dialog").waitFor({ state: "detached" });
 

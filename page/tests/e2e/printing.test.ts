@@ -1,7 +1,7 @@
 import { readFileSync } from "node:fs";
 import type { Locator } from "playwright-core";
 import { afterEach, expect, test } from "vitest";
-import { EditorHarness, run } from "./harness";
+import { EditorHarness, run, theme } from "./harness";
 
 let harness: EditorHarness | undefined;
 afterEach(async () => {
@@ -22,8 +22,8 @@ async function openPanel({ user }: EditorHarness): Promise<void> {
   if ((await button.getAttribute("aria-expanded")) !== "true") await button.click();
 }
 
-test.each([false, true])("a check names what printers refuse, shows it, and offers the remedy (dark: %s)", async (dark) => {
-  harness = await EditorHarness.open({ dark });
+test("a check names what printers refuse, shows it, and offers the remedy", async () => {
+  harness = await EditorHarness.open();
   await harness.openSample("bust", 60);
   const { user } = harness;
   const { page } = user;
@@ -36,7 +36,7 @@ test.each([false, true])("a check names what printers refuse, shows it, and offe
   expect((await rows.allInnerTexts()).some((text) => text.startsWith("Volume"))).toBe(false);
   await rows.filter({ hasText: "overhang" }).getByRole("button", { name: "Show" }).click();
   await user.rests();
-  await user.screenshot(dark ? "print-dark" : "editor_print.jpg");
+  await user.screenshot(theme === "dark" ? "print-dark" : "editor_print.jpg");
   await rows.first().getByRole("button", { name: "Close" }).click();
   await user.rests();
   expect(await rows.count()).toBe(0); // the mesh has changed since
@@ -198,8 +198,8 @@ test("a click on a face lays the model flat on it", async () => {
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
-test.each([false, true])("the export dialog says what the file will hold, and warns (dark: %s)", async (dark) => {
-  harness = await EditorHarness.open({ dark });
+test("the export dialog says what the file will hold, and warns", async () => {
+  harness = await EditorHarness.open();
   await harness.openSample("bust", 30);
   const { user } = harness;
   const { page } = user;
@@ -209,7 +209,7 @@ test.each([false, true])("the export dialog says what the file will hold, and wa
   await warnings.waitFor();
   expect(await warnings.innerText()).toMatch(/Open: 1 hole/);
   expect(await dialog.innerText()).toMatch(/names no unit/);
-  await user.screenshot(`printing-export-${dark ? "dark" : "light"}`);
+  await user.screenshot(`printing-export-${theme}`);
   await dialog.getByRole("combobox", { name: "Format" }).selectOption(".3mf");
   expect(await dialog.innerText()).toMatch(/The file says mm/);
   expect(user.complaints).toEqual([]);

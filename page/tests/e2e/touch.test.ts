@@ -3,7 +3,7 @@ import type { CDPSession } from "playwright-core";
 import { afterEach, expect, test } from "vitest";
 import { cutOff } from "./cut_off";
 import { aimAt, farthest, openFresh, sampled, selectedIn } from "./grips";
-import { EditorHarness, type Point, type User } from "./harness";
+import { EditorHarness, type Point, theme, type User } from "./harness";
 
 let harness: EditorHarness | undefined;
 afterEach(async () => {
@@ -24,11 +24,10 @@ function smallTargets({ page }: User): Promise<string[]> {
   });
 }
 
-test.each([false, true])("what fingers press is 44 pixels wide and high (dark: %s)", async (dark) => {
-  harness = await EditorHarness.open({ touch: true, dark, size: { width: 1180, height: 820 } });
+test("what fingers press is 44 pixels wide and high", async () => {
+  harness = await EditorHarness.open({ touch: true, size: { width: 1180, height: 820 } });
   const { user } = harness;
   const { page } = user;
-  const name = dark ? "dark" : "light";
   expect(await page.evaluate(() => matchMedia("(pointer: coarse)").matches)).toBe(true);
   expect(await smallTargets(user)).toEqual([]);
   await harness.openSample("bust", 30);
@@ -49,11 +48,11 @@ test.each([false, true])("what fingers press is 44 pixels wide and high (dark: %
     expect(await smallTargets(user), tool).toEqual([]);
   }
   await user.rests();
-  await user.screenshot(`touch-${name}`);
+  await user.screenshot(`touch-${theme}`);
   await page.evaluate(() => window.meshgraft.editor.dismissMessages());
   await page.getByRole("button", { name: "File menu of meshgraft" }).tap();
   expect(await smallTargets(user), "menu").toEqual([]);
-  await user.screenshot(`touch-menu-${name}`);
+  await user.screenshot(`touch-menu-${theme}`);
   await page.getByRole("menuitem", { name: /^Save as/ }).tap();
   await page.getByRole("dialog").waitFor();
   expect(await smallTargets(user), "dialog").toEqual([]);
@@ -64,20 +63,18 @@ test.each([false, true])("what fingers press is 44 pixels wide and high (dark: %
   while ((await folded.count()) > 0) await folded.first().tap();
   expect(await smallTargets(user), "graft").toEqual([]);
   await user.rests();
-  await user.screenshot(`touch-graft-${name}`);
+  await user.screenshot(`touch-graft-${theme}`);
   expect(user.complaints).toEqual([]);
 }, 120_000);
 
 test.each([
-  [800, 600, false],
-  [800, 600, true],
-  [1024, 768, false],
-  [1024, 768, true],
-])("no panel cuts anything off on a touched screen of %i × %i (dark: %s)", async (width, height, dark) => {
-  harness = await EditorHarness.open({ touch: true, dark, size: { width, height } });
+  [800, 600],
+  [1024, 768],
+])("no panel cuts anything off on a touched screen of %i × %i", async (width, height) => {
+  harness = await EditorHarness.open({ touch: true, size: { width, height } });
   const { user } = harness;
   const { page } = user;
-  const shot = (name: string) => user.screenshot(`touch-${width}-${name}-${dark ? "dark" : "light"}`);
+  const shot = (name: string) => user.screenshot(`touch-${width}-${name}-${theme}`);
   const bars = ".header, .tool-line, .side, .status, .toolbar, .messages";
   const folded = page.locator(".section h2 button[aria-expanded=false], .more-button[aria-expanded=false]");
   const check = async (name: string) => {
