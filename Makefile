@@ -27,12 +27,11 @@ demo: build ## run the examples; meshes, reports and pictures go to out/
 edit: build ## the editor in the browser: make edit MODEL=model.ply, or without a model
 	@build/release/meshgraft edit $(MODEL)
 
-test: ## all tests: with and without the optional libraries, sanitizers, layers, installed package
+test: ## the tests: with and without the optional libraries, page, layers, installed package
 	@MESHGRAFT_VENV=none tools/bootstrap.sh build test
-	@python3 tools/run_tests.py
+	@python3 tools/run_tests.py minimal release
 
-test-long: ## the tests of large meshes and slow work, which make test leaves out
-	@tools/bootstrap.sh build test
+test-long: asan tsan ## what make test leaves out: sanitizers, large meshes, slow work
 	@cmake --preset release -DMESHGRAFT_BUILD_TESTS=ON
 	@cmake --build --preset release
 	@ctest --preset long

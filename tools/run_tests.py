@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Builds and runs the tests in every configuration that counts, and sums up.
 
-    tools/run_tests.py               all of them
-    tools/run_tests.py release asan  some of them
+    tools/run_tests.py                  all of them
+    tools/run_tests.py minimal release  some of them, as `make test` does
 
 While one configuration is tested, the next ones are built: tests wait for pictures, disks and each other, and builds wait
 for downloads. The end names each failed test with a line of its output, then the seconds of the tests of each
