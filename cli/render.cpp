@@ -20,7 +20,7 @@ struct RenderArguments {
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path output;
   View view;
-  bool wireframe = false, flat = false, no_ground = false;
+  bool wireframe = false, flat = false, no_ground = false, transparent = false;
   int threads = 0;
   std::uint64_t memory = 0;
 };
@@ -30,6 +30,7 @@ render::RenderOptions render_options_of(const RenderArguments& arguments, const 
   options.wireframe = arguments.wireframe;
   options.smooth = !arguments.flat;
   options.ground = !arguments.no_ground;
+  options.transparent = arguments.transparent;
   return options;
 }
 
@@ -68,6 +69,8 @@ void add_render(CLI::App& program, Action& action) {
   command->add_flag("--wireframe", arguments->wireframe, "Draw the edges");
   command->add_flag("--flat", arguments->flat, "Shade every face by its own normal");
   command->add_flag("--no-ground", arguments->no_ground, "Leave the shadow on the ground out");
+  command->add_flag("--transparent", arguments->transparent,
+                    "Leave the background out, and the ground with it");
   add_threads(*command, arguments->threads);
   add_memory(*command, arguments->memory);
   command->footer("Example:\n  meshgraft render before.ply after.ply -o picture.png");

@@ -26,7 +26,7 @@ done
 # The samples, as the editor's page shows them.
 for name in $("$program" sample --list | cut -d ' ' -f 1); do
   "$program" sample "$name" -o "$scratch/$name.ply"
-  "$program" render "$scratch/$name.ply" -o "page/public/samples/$name.png" --no-ground --width 144 --height 144
+  "$program" render "$scratch/$name.ply" -o "page/public/samples/$name.png" --transparent --width 144 --height 144
 done
 
 # The same graft by both shapes: FT05's figures 1, 6, 7 and 8 with our own samples.

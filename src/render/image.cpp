@@ -20,6 +20,7 @@ constexpr int gap = 12;
 constexpr int caption_height = 56;
 constexpr std::uint8_t paper = 0xF1;
 constexpr double ink = 0x2E;
+constexpr std::uint8_t opaque = 0xFF;
 
 // Glyphs of printable ASCII on a 5×7 grid: five columns each, lowest bit on top.
 constexpr std::array<std::array<std::uint8_t, 5>, 95> glyphs{{
@@ -110,6 +111,17 @@ void draw_caption(Image& image, const std::string& text, int left, int top, int 
   }
 }
 
+// Returns the image as RGB and alpha, pixel by pixel.
+std::vector<std::uint8_t> interleaved(const Image& image) {
+  std::vector<std::uint8_t> out;
+  out.reserve(4 * image.cover.size());
+  for (std::size_t i = 0; i < image.cover.size(); ++i) {
+    out.insert(out.end(), &image.pixels[3 * i], &image.pixels[3 * i] + 3);
+    out.push_back(image.cover[i]);
+  }
+  return out;
+}
+
 }  // namespace
 
 Image side_by_side(std::span<const Image> images, std::span<const std::string> captions) {
@@ -126,12 +138,22 @@ Image side_by_side(std::span<const Image> images, std::span<const std::string> c
   const int height = images.front().height;
   out.height = height + (captions.empty() ? 0 : caption_height);
   out.pixels.assign(3 * static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), paper);
+  if (std::ranges::any_of(images, [](const Image& image) { return !image.cover.empty(); })) {
+    out.cover.assign(out.pixels.size() / 3, opaque);
+    std::fill_n(out.cover.begin(), static_cast<std::ptrdiff_t>(out.width) * height, std::uint8_t{0});
+  }
   int left = 0;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const auto row_bytes = 3 * static_cast<std::ptrdiff_t>(images[i].width);
-    for (int y = 0; y < height; ++y)
-      std::copy_n(images[i].pixels.begin() + y * row_bytes, row_bytes,
-                  out.pixels.begin() + 3 * (static_cast<std::ptrdiff_t>(y) * out.width + left));
+    const std::ptrdiff_t width = images[i].width;
+    for (int y = 0; y < height; ++y) {
+      const std::ptrdiff_t from = y * width, to = static_cast<std::ptrdiff_t>(y) * out.width + left;
+      std::copy_n(images[i].pixels.begin() + 3 * from, 3 * width, out.pixels.begin() + 3 * to);
+      if (out.cover.empty()) continue;
+      if (images[i].cover.empty())
+        std::fill_n(out.cover.begin() + to, width, opaque);
+      else
+        std::copy_n(images[i].cover.begin() + from, width, out.cover.begin() + to);
+    }
     if (!captions.empty()) draw_caption(out, captions[i], left, height, images[i].width);
     left += images[i].width + gap;
   }
@@ -160,10 +182,11 @@ std::vector<std::uint8_t> png_bytes(const Image& image) {
   header.version = PNG_IMAGE_VERSION;
   header.width = static_cast<png_uint_32>(image.width);
   header.height = static_cast<png_uint_32>(image.height);
-  header.format = PNG_FORMAT_RGB;
+  header.format = image.cover.empty() ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
+  const std::vector<std::uint8_t> pixels = image.cover.empty() ? image.pixels : interleaved(image);
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::uint8_t> bytes(size);
-  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0)
     throw Error(facts::render::PictureNotMade{.reason = header.message});
   bytes.resize(size);
   return bytes;

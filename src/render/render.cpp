@@ -256,6 +256,7 @@ struct Pixel {
   Vec3 plain = Vec3::Zero(), by_open = Vec3::Zero(), by_key = Vec3::Zero();
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
   float open = 0.0f, key = 0.0f;
+  float cover = 0.0f;  // 1 on the shapes
 
   Pixel& operator+=(const Pixel& other) {
     plain += other.plain;
@@ -265,6 +266,7 @@ struct Pixel {
     point += other.point;
     open += other.open;
     key += other.key;
+    cover += other.cover;
     return *this;
   }
   Pixel& operator*=(float factor) {
@@ -275,6 +277,7 @@ struct Pixel {
     point *= factor;
     open *= factor;
     key *= factor;
+    cover *= factor;
     return *this;
   }
 };
@@ -353,8 +356,9 @@ class Painter {
     if (const auto hit = tracer_.first_hit(view_.eye, direction))
       return surface(*hit, direction, strata, to_light);
     Pixel out;
-    out.plain = backdrop(x / width, y / height);
     out.point = view_.eye + 100.0f * direction;
+    if (options_.transparent) return out;
+    out.plain = backdrop(x / width, y / height);
     const float sinking = direction.dot(view_.zenith);
     if (!options_.ground || sinking >= -1e-4f) return out;
     const Vec3 point = view_.eye + (view_.ground - view_.eye.dot(view_.zenith)) / sinking * direction;
@@ -435,6 +439,7 @@ class Painter {
     }
 
     Pixel out;
+    out.cover = 1.0f;
     out.normal = normal;
     out.point = point;
     out.open = openness(point, normal, 1.2f, strata);
@@ -710,13 +715,19 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
   LightFilter light(pixels, options, view);
   light.run(context);
   Image image{options.width, options.height, std::vector<std::uint8_t>(3 * pixels.size())};
+  if (options.transparent) image.cover.resize(pixels.size());
+  const auto byte_of = [](float share) {
+    return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(share, 0.0f, 1.0f)));
+  };
   for_each_pixel(options, context, [&](int x, int y) {
     const std::size_t i = slot(x, y);
-    const Vec3 colour =
-        pixels[i].plain + light.open(x, y) * pixels[i].by_open + light.key(x, y) * pixels[i].by_key;
+    Vec3 colour = pixels[i].plain + light.open(x, y) * pixels[i].by_open + light.key(x, y) * pixels[i].by_key;
+    if (options.transparent) {
+      image.cover[i] = byte_of(pixels[i].cover);
+      colour /= std::max(pixels[i].cover, 1e-6f);  // that of the shapes alone
+    }
     for (std::size_t k = 0; k < 3; ++k)
-      image.pixels[3 * i + k] = static_cast<std::uint8_t>(
-          std::lround(255.0f * to_srgb(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0f, 1.0f))));
+      image.pixels[3 * i + k] = byte_of(to_srgb(std::clamp(colour[static_cast<Eigen::Index>(k)], 0.0f, 1.0f)));
   });
   context.step("render", 1.0);
   return image;

@@ -42,12 +42,16 @@ struct RenderOptions {
   double crease_angle_deg = 40.0;
   bool wireframe = false;
   bool ground = true;  ///< a soft contact shadow below, away from the camera's `up`
+  /// Leaves out the background, and the ground with it: the picture is transparent around the shapes.
+  bool transparent = false;
 };
 
 /// A ray-traced picture, 8-bit sRGB, height×width×3.
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
+  /// How much of each pixel is covered, of 255, height×width; empty if all are.
+  std::vector<std::uint8_t> cover;
 };
 
 /// Returns the mesh's vertex attribute "colour" as linear n×3, or an empty array without one.
@@ -58,7 +62,8 @@ Points vertex_colours(const Mesh& mesh);
 /// direction, Error(input) for shapes without a face or with colours of another size, and Error(cancelled).
 Image render(std::span<const Shape> shapes, const RenderOptions& options = {}, const Context& context = {});
 
-/// Places images side by side with equal heights and optional captions below (printable ASCII).
+/// Places images side by side with equal heights and optional captions below (printable ASCII). Gaps are
+/// transparent if an image is.
 /// Throws Error(usage) if the heights differ or there are captions, but not one per image.
 Image side_by_side(std::span<const Image> images, std::span<const std::string> captions = {});
 

@@ -118,6 +118,37 @@ TEST(Render, ReadsTheColourAttributeAsLinear) {
   EXPECT_DOUBLE_EQ(linear(1, 1), 1.0);
 }
 
+TEST(Render, IsTransparentAroundTheShapes) {
+  const Mesh mesh = make_sample("torus", 24);
+  const Shape shape{&mesh, {}};
+  RenderOptions options = small_picture();
+  options.ground = false;
+  const Image opaque = render({&shape, 1}, options);
+  EXPECT_TRUE(opaque.cover.empty());
+  options.transparent = true;
+  const Image image = render({&shape, 1}, options);
+  ASSERT_EQ(image.cover.size(), 96u * 72u);
+  std::size_t inside = 0, outside = 0;
+  for (std::size_t i = 0; i < image.cover.size(); ++i) {
+    inside += image.cover[i] == 255 ? 1 : 0;
+    outside += image.cover[i] == 0 ? 1 : 0;
+    if (image.cover[i] == 255) EXPECT_NEAR(image.pixels[3 * i], opaque.pixels[3 * i], 2) << "pixel " << i;
+    if (image.cover[i] > 75) EXPECT_GT(image.pixels[3 * i], 40) << "pixel " << i << ": no dark rim";
+  }
+  EXPECT_GT(inside, 1000u);
+  EXPECT_GT(outside, 1000u);
+  EXPECT_EQ(png_bytes(image)[25], 6) << "RGB and alpha";
+  EXPECT_EQ(png_bytes(opaque)[25], 2) << "RGB";
+
+  const std::vector<Image> pair{image, opaque};
+  const Image both = side_by_side(pair, std::vector<std::string>{"a", "b"});
+  const auto cover = [&](int x, int y) { return both.cover[static_cast<std::size_t>(y * both.width + x)]; };
+  EXPECT_EQ(cover(0, 0), 0);
+  EXPECT_EQ(cover(97, 0), 0) << "the gap";
+  EXPECT_EQ(cover(both.width - 1, 0), 255);
+  EXPECT_EQ(cover(0, both.height - 1), 255) << "the captions";
+}
+
 TEST(Render, RefusesAnEmptyScene) {
   EXPECT_THROW(render({}, small_picture()), Error);
   const Mesh mesh;
