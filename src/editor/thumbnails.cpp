@@ -9,6 +9,7 @@
 
 #include "binary_message.h"
 #include "editor/facts.h"
+#include "mesh/shown_orientation.h"
 #ifdef MESHGRAFT_HAS_RENDER
 #include "render/render.h"
 #include "render/viewpoint.h"
@@ -47,15 +48,16 @@ class TimeLimit {
 };
 
 #ifdef MESHGRAFT_HAS_RENDER
-// Renders a mesh in the page's first view: from the front and the side, with `y` or `z` up.
+// Renders a mesh as the page first shows it: from the front, a little from the side and above.
 std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, const Context& context) {
   const std::array shapes{render::Shape{&mesh, render::vertex_colours(mesh)}};
   render::RenderOptions options;
   options.width = options.height = size;
   options.occlusion_rays = 8;
-  options.ground = false;
-  options.camera.up = render::up_of(mesh);
-  options.camera.from_direction = render::usual_direction(options.camera.up);
+  options.transparent = true;
+  const Orientation orientation = shown_orientation(mesh);
+  options.camera.up = orientation.up;
+  options.camera.from_direction = render::usual_direction(orientation);
   return render::png_bytes(render::render(shapes, options, context));
 }
 

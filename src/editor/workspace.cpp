@@ -14,7 +14,7 @@
 #include "graft_messages.h"
 #include "io/file.h"
 #include "io/file_document.h"
-#include "mesh/up_axis.h"
+#include "mesh/shown_orientation.h"
 #include "mesh_messages.h"
 #include "script/fact_json.h"
 #include "script/sha256.h"
@@ -96,17 +96,6 @@ std::string axis_name(const Eigen::Vector3d& direction) {
   return {};
 }
 
-// Returns the most probable front of a model with its upper side as the file has it; empty without faces.
-// About 0.1 s for a million triangles.
-std::string front_of(const Mesh& mesh) {
-  if (mesh.face_count() == 0) return {};
-  const Eigen::Vector3d up =
-      up_axis_of(mesh) == UpAxis::y ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-  for (const OrientationGuess& guess : guess_orientations(mesh))
-    if (guess.orientation.up.isApprox(up, 1e-6)) return axis_name(guess.orientation.front);
-  return {};
-}
-
 Json object_summary(const Object& object) {
   return {{"name", object.name},
           {"mesh", object.id},
@@ -156,7 +145,7 @@ Workspace::Workspace(Document document, Source source, const Folders& folders, c
       history_(document.text),
       saved_(document.text) {
   show(checked(std::move(document)), context);
-  front_ = front_of(stage_.model->mesh());
+  shown_as_ = shown_orientation(stage_.model->mesh());
 }
 
 // Deletes the list of running steps while the journal is still held: this is an end in order.
@@ -580,8 +569,8 @@ Json Workspace::summary() const {
              {"set_aside", set_aside_summary(steps_set_aside())}};
   return {{"name", source_.name},
           {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
-          {"up", up_axis_of(stage_.model->mesh()) == UpAxis::y ? "y" : "z"},
-          {"front", front_},
+          {"up", axis_name(shown_as_.up)},
+          {"front", axis_name(shown_as_.front)},
           {"unit", length_unit(stage_.model->mesh())},
           {"edit", source_.edit.string()},
           {"model", object_summary(*stage_.model)},

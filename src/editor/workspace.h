@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <meshgraft/core/context.h>
+#include <meshgraft/mesh/orientation.h>
 
 #include "defects.h"
 #include "document_actions.h"
@@ -165,7 +166,7 @@ class Workspace {
   Document document_;
   History history_;
   std::optional<std::size_t> before_set_up_;  ///< position in the history
-  std::string front_;                         ///< of the model at opening, the name of an axis; empty: unknown
+  Orientation shown_as_;                      ///< of the model at opening
   std::string saved_;                         ///< bytes of the document when it was last saved
   std::unique_ptr<Journal> journal_;          ///< last member: released to other sessions first
 };

@@ -27,7 +27,6 @@ struct FileDocument : UprightSource {
 
   /// Returns the axis that points up: what the file says, else the convention of the format, or else of most
   /// programs that write it.
-  UpAxis up_axis() const override = 0;
 
   /// Returns notes on the file's contents that neither the mesh nor its attributes hold, e.g. io.left_out. They
   /// are lost if the file is composed anew.

@@ -11,20 +11,29 @@ enum class UpAxis { y, z };
 
 /// A source that tells which way is up.
 struct UprightSource : SourceDocument {
-  virtual UpAxis up_axis() const = 0;
+  /// Returns what the source says by itself; nothing if only the custom of its format tells.
+  virtual std::optional<UpAxis> stated_up_axis() const = 0;
+  virtual UpAxis usual_up_axis() const = 0;
+  UpAxis up_axis() const { return stated_up_axis().value_or(usual_up_axis()); }
 };
 
 /// The source of a mesh that comes from no file, or whose file no longer fits it.
 struct FilelessSource : UprightSource {
-  explicit FilelessSource(UpAxis axis) : axis_(axis) {}
-  UpAxis up_axis() const override { return axis_; }
+  explicit FilelessSource(UpAxis axis) : FilelessSource(axis, axis) {}
+  FilelessSource(std::optional<UpAxis> stated, UpAxis usual) : stated_(stated), usual_(usual) {}
+  std::optional<UpAxis> stated_up_axis() const override { return stated_; }
+  UpAxis usual_up_axis() const override { return usual_; }
 
  private:
-  UpAxis axis_;
+  std::optional<UpAxis> stated_;
+  UpAxis usual_;
 };
 
-/// Returns the axis that points up, as the source of a mesh tells; for a graft, that of the target. Returns
-/// nothing for a mesh that was made of arrays.
+/// Returns the source of a mesh that tells which way is up; for a graft, that of the target. Returns null for a
+/// mesh that was made of arrays.
+const UprightSource* upright_source(const Mesh& mesh);
+
+/// Returns the axis that points up, as the source of a mesh tells; nothing without such a source.
 std::optional<UpAxis> told_up_axis(const Mesh& mesh);
 
 /// Returns the axis that points up, and z for a mesh whose source does not tell.

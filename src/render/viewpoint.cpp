@@ -121,6 +121,12 @@ Eigen::Vector3d usual_direction(const Eigen::Vector3d& up) {
          Camera().from_direction.normalized();
 }
 
+Eigen::Vector3d usual_direction(const Orientation& orientation) {
+  const auto& [up, front] = orientation;
+  const Eigen::Vector3d usual = Camera().from_direction.normalized();  // with z up and -y in front
+  return usual.x() * up.cross(front) - usual.y() * front + usual.z() * up;
+}
+
 Eigen::AlignedBox3d box_of(std::span<const Mesh* const> meshes) {
   Eigen::AlignedBox3d box;
   for (const Mesh* mesh : meshes)

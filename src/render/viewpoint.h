@@ -6,6 +6,7 @@
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
+#include <meshgraft/mesh/orientation.h>
 
 #include "render.h"
 
@@ -17,6 +18,9 @@ Eigen::Vector3d up_of(const Mesh& mesh);
 /// Returns the direction towards the eye that a camera has by default: from the front, a little from the right
 /// and from above, in a world with this direction up.
 Eigen::Vector3d usual_direction(const Eigen::Vector3d& up);
+
+/// Returns the same for a model that stands like this.
+Eigen::Vector3d usual_direction(const Orientation& orientation);
 
 /// Returns the bounding box of several meshes. Coordinates that are not finite do not count.
 Eigen::AlignedBox3d box_of(std::span<const Mesh* const> meshes);

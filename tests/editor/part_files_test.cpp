@@ -234,6 +234,18 @@ TEST_F(PartFiles, TellsWhichAxisStandsUp) {
   EXPECT_EQ(state()["up"], "y") << "most programs write it so";
 }
 
+TEST_F(PartFiles, StandsAModelUprightAgainstTheCustomOfItsFormat) {
+  Mesh bust = make_sample("bust", 20);
+  bust.source.reset();
+  const Points z_up = bust.positions;
+  bust.positions.col(1) = z_up.col(2);
+  bust.positions.col(2) = -z_up.col(1);
+  write_mesh(bust, folder_ / "lying.stl");
+  page_.ask({{"do", "open"}, {"path", "lying.stl"}});
+  EXPECT_EQ(state()["up"], "y");
+  EXPECT_EQ(state()["front"], "z");
+}
+
 TEST_F(PartFiles, GuessesTheFrontFromTheShape) {
   open_bust();
   EXPECT_EQ(state()["front"], "-y") << "the usual one";

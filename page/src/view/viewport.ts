@@ -255,7 +255,7 @@ export class Viewport {
       const was = this.navigation.upright;
       this.model = model;
       this.fileUp = state.up;
-      this.guessedFront = state.front === "" ? undefined : state.front;
+      this.guessedFront = state.front;
       this.setUp();
       if (was !== this.navigation.upright) this.fit("all", false);
     }

@@ -14,7 +14,7 @@ const object = (name: string, mesh: number, findings: Finding[]) => ({
 
 function stateOf(model: Finding[], part: Finding[]): DocumentState {
   return {
-    event: "state", name: "bar", up: "y", front: "", unit: "", edit: "", model: object("a", 1, model), steps: [], handles: [], groups: [],
+    event: "state", name: "bar", up: "y", front: "-y", unit: "", edit: "", model: object("a", 1, model), steps: [], handles: [], groups: [],
     counts: null, settings: {}, symmetry: null, notes: [], file: "a.ply", parts: [{ ...object("b", 2, part), grafted: false }],
     graft: null, selected: 0, selected_on: "a", undo: null, redo: null, set_up_for: null, dirty: false,
   };

@@ -158,7 +158,7 @@ describe("settings of the method", () => {
 
 describe("the status line", () => {
   const state: DocumentState = {
-    event: "state", name: "bar", up: "y", front: "", unit: "", edit: "", model: { name: "a", mesh: 1, loops: 0, vertices: 8, faces: 12, diagonal: 1, findings: [] }, steps: [], handles: [], groups: [],
+    event: "state", name: "bar", up: "y", front: "-y", unit: "", edit: "", model: { name: "a", mesh: 1, loops: 0, vertices: 8, faces: 12, diagonal: 1, findings: [] }, steps: [], handles: [], groups: [],
     counts: null, settings: {}, symmetry: null, notes: [], file: "a.ply", parts: [], graft: null, selected: 0, selected_on: "a", undo: null, redo: null, set_up_for: null, dirty: false,
   };
   const set: DocumentState = {

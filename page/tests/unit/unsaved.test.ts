@@ -40,7 +40,7 @@ const settle = () => new Promise((resolve) => setTimeout(resolve));
 
 function documentState(fields: Partial<DocumentState>): DocumentState {
   return {
-    event: "state", name: "bar", up: "y", front: "", unit: "", edit: "", model: { name: "a", mesh: 1, loops: 0, vertices: 8, faces: 12, diagonal: 1, findings: [] }, steps: [], handles: [], groups: [],
+    event: "state", name: "bar", up: "y", front: "-y", unit: "", edit: "", model: { name: "a", mesh: 1, loops: 0, vertices: 8, faces: 12, diagonal: 1, findings: [] }, steps: [], handles: [], groups: [],
     counts: null, settings: {}, symmetry: null, notes: [], file: "a.ply", parts: [], graft: null, selected: 0, selected_on: "a", undo: null, redo: null, set_up_for: null, dirty: false,
     ...fields,
   };

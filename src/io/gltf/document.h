@@ -107,7 +107,8 @@ struct GltfDocument : FileDocument {
   std::string name() const { return path.string(); }
 
   std::string_view format() const override { return "glTF"; }
-  UpAxis up_axis() const override { return UpAxis::y; }
+  std::optional<UpAxis> stated_up_axis() const override { return UpAxis::y; }
+  UpAxis usual_up_axis() const override { return UpAxis::y; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

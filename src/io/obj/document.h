@@ -19,7 +19,8 @@ struct ObjDocument : FileDocument {
   std::vector<Index> corner_normals;  ///< the vn line of each corner, -1 for none; empty if no face has any
 
   std::string_view format() const override { return "OBJ"; }
-  UpAxis up_axis() const override;
+  std::optional<UpAxis> stated_up_axis() const override;
+  UpAxis usual_up_axis() const override { return UpAxis::y; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

@@ -423,7 +423,7 @@ std::vector<Note> ObjDocument::beside_the_mesh() const {
   return notes;
 }
 
-UpAxis ObjDocument::up_axis() const { return up_axis_in_text(content, true).value_or(UpAxis::y); }
+std::optional<UpAxis> ObjDocument::stated_up_axis() const { return up_axis_in_text(content, true); }
 
 ObjCursor::ObjCursor(std::string_view content) : content_(content) {
   if (content_.starts_with("\xEF\xBB\xBF")) offset_ = 3;  // byte order mark

@@ -29,7 +29,8 @@ struct OffDocument : FileDocument {
   bool has_face_index = false;
 
   std::string_view format() const override { return "OFF"; }
-  UpAxis up_axis() const override;
+  std::optional<UpAxis> stated_up_axis() const override;
+  UpAxis usual_up_axis() const override { return UpAxis::y; }
   std::vector<Note> beside_the_mesh() const override { return {}; }
 };
 

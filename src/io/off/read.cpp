@@ -393,8 +393,8 @@ double off_colour_divisor(ScalarType attribute_type, bool whole, double largest)
   return attribute_type != ScalarType::uint8 && whole && largest > 1 ? 255.0 : 1.0;
 }
 
-UpAxis OffDocument::up_axis() const {
-  return up_axis_in_text(std::string_view(content).substr(0, body), false).value_or(UpAxis::y);
+std::optional<UpAxis> OffDocument::stated_up_axis() const {
+  return up_axis_in_text(std::string_view(content).substr(0, body), false);
 }
 
 Mesh read_off(std::string content, const std::string& name, MemoryBudget& budget, const Context& context) {

@@ -74,7 +74,8 @@ struct PlyDocument : FileDocument {
   ScalarType position_type = ScalarType::float64;
 
   std::string_view format() const override { return "PLY"; }
-  UpAxis up_axis() const override;
+  std::optional<UpAxis> stated_up_axis() const override;
+  UpAxis usual_up_axis() const override { return UpAxis::y; }
   std::vector<Note> beside_the_mesh() const override;
 };
 

@@ -415,10 +415,10 @@ std::vector<Note> PlyDocument::beside_the_mesh() const {
   return notes;
 }
 
-UpAxis PlyDocument::up_axis() const {
+std::optional<UpAxis> PlyDocument::stated_up_axis() const {
   for (const std::string& comment : header.comments)
-    if (const auto axis = up_axis_in(comment)) return *axis;
-  return UpAxis::y;
+    if (const auto axis = up_axis_in(comment)) return axis;
+  return std::nullopt;
 }
 
 std::vector<std::filesystem::path> texture_files(const PlyDocument& document) {

@@ -31,7 +31,8 @@ struct ThreemfDocument : FileDocument {
     return scanned[sources[object].part].meshes[sources[object].mesh];
   }
   std::string_view format() const override { return "3MF"; }
-  UpAxis up_axis() const override { return UpAxis::z; }
+  std::optional<UpAxis> stated_up_axis() const override { return UpAxis::z; }
+  UpAxis usual_up_axis() const override { return UpAxis::z; }
   std::vector<Note> beside_the_mesh() const override;
   std::string unit() const override { return length_unit; }
 };
