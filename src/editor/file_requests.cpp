@@ -239,11 +239,7 @@ Json Worker::open(const json::Value& message, const Context& context) {
 Json Worker::list(const json::Value& message, const Context&) {
   const json::Object fields(message, {"id", "do", "folder"});
   Json folders = Json::array(), files = Json::array();
-  if (!fields.has("folder")) {
-    for (const fs::path& root : shared_.folders.roots())
-      if (root != shared_.upload_folder) folders.push_back(root.string());
-    return {{"folder", nullptr}, {"folders", folders}, {"files", files}};
-  }
+  if (!fields.has("folder")) return {{"folder", nullptr}, {"folders", folders_json(shared_)}, {"files", files}};
   const fs::path folder = shared_.folders.inside(fields.required("folder").name());
   std::vector<fs::directory_entry> entries;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -262,6 +258,12 @@ Json Worker::list(const json::Value& message, const Context&) {
                                        fs::exists(journal_of(entry.path()), ignored)}});
   }
   return {{"folder", folder.string()}, {"folders", folders}, {"files", files}};
+}
+
+Json Worker::add_folder(const json::Value& message, const Context&) {
+  const json::Object fields(message, {"id", "do", "path"});
+  const fs::path folder = shared_.folders.add(fields.required("path").name());
+  return {{"folder", folder.string()}, {"folders", folders_json(shared_)}};
 }
 
 Json Worker::restore(const json::Value& message, const Context& context) {

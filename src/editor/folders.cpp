@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -39,13 +40,21 @@ void require_honest_name(const fs::path& path) {
     throw Error(facts::editor::GltfByAnotherName{}, path);
 }
 
-// Refuses names that are longer than any file system allows.
-void require_short_names(const fs::path& path) {
+// Refuses paths with zero bytes, and names that are longer than any file system allows.
+void require_sound_name(const fs::path& path) {
+  if (path.native().find('\0') != std::string::npos) throw Error(facts::editor::ZeroByte{}, path.filename());
   constexpr std::size_t most_bytes = 255;
   for (const fs::path& part : path)
     if (part.native().size() > most_bytes)
       throw Error(facts::editor::NameTooLong{.bytes = part.native().size(), .most = most_bytes},
                   Location::file(whole_characters(part.string(), 60) + "…"));
+}
+
+// Returns the path with the user's home in place of a leading `~`.
+fs::path from_home(const fs::path& path) {
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || path.empty() || *path.begin() != "~") return path;
+  return fs::path(home) / path.lexically_relative("~");
 }
 
 }  // namespace
@@ -58,22 +67,34 @@ void require_file(const fs::path& file, const fs::path& asked) {
 }
 
 Folders::Folders(const std::vector<fs::path>& folders) {
-  for (const fs::path& folder : folders) {
-    std::error_code failed;
-    const fs::path root = fs::canonical(folder, failed);
-    if (failed || !fs::is_directory(root)) throw Error(facts::editor::NoSuchFolder{}, folder);
-    if (std::find(roots_.begin(), roots_.end(), root) == roots_.end()) roots_.push_back(root);
-  }
+  for (const fs::path& folder : folders) add(fs::absolute(folder));
+}
+
+std::vector<fs::path> Folders::roots() const {
+  const std::lock_guard lock(mutex_);
+  return roots_;
+}
+
+fs::path Folders::add(const fs::path& folder) {
+  require_sound_name(folder);
+  const fs::path whole = from_home(folder);
+  if (!whole.is_absolute()) throw Error(facts::editor::PathNotWhole{}, folder);
+  std::error_code failed;
+  const fs::path root = fs::canonical(whole, failed);
+  if (failed || !fs::is_directory(root)) throw Error(facts::editor::NoSuchFolder{}, folder);
+  const std::lock_guard lock(mutex_);
+  if (std::find(roots_.begin(), roots_.end(), root) == roots_.end()) roots_.push_back(root);
+  return root;
 }
 
 fs::path Folders::inside(const fs::path& path) const {
-  if (path.native().find('\0') != std::string::npos) throw Error(facts::editor::ZeroByte{}, path.filename());
-  require_short_names(path);
-  const fs::path given = path.is_absolute() || roots_.empty() ? path : roots_.front() / path;
+  require_sound_name(path);
+  const std::vector<fs::path> roots = this->roots();
+  const fs::path given = path.is_absolute() || roots.empty() ? path : roots.front() / path;
   std::error_code failed;
   const fs::path leads = fs::weakly_canonical(follow_links(given), failed);
   if (!failed && leads.is_absolute())
-    for (const fs::path& root : roots_)
+    for (const fs::path& root : roots)
       if (is_below(leads, root)) return leads;
   throw Error(facts::editor::OutsideFolders{}, path);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,13 +12,17 @@
 namespace meshgraft::editor {
 
 /// The folders whose files, at any depth, a page may read and write. Symbolic links are resolved first, so
-/// that no link leads out of them.
+/// that no link leads out of them. Safe to use from any thread.
 class Folders {
  public:
   /// Throws Error(io) for a folder that does not exist.
   explicit Folders(const std::vector<std::filesystem::path>& folders);
 
-  const std::vector<std::filesystem::path>& roots() const { return roots_; }
+  std::vector<std::filesystem::path> roots() const;
+
+  /// Adds a folder by its whole path, which may begin with `~`, and returns it without links and dots. Throws
+  /// Error(input) for a relative path and Error(io) for a folder that does not exist.
+  std::filesystem::path add(const std::filesystem::path& folder);
 
   /// Returns the file that `path` refers to, without links and dots. A relative path starts from the first
   /// folder. Throws Error(input) with the id editor.outside_folders if the file is in none of the folders.
@@ -35,6 +40,7 @@ class Folders {
   void require_inside(const EditFile& edit) const;
 
  private:
+  mutable std::mutex mutex_;
   std::vector<std::filesystem::path> roots_;
 };
 

@@ -116,7 +116,9 @@ Json found_json(const MergeOutcome& merge) {
     starts.push_back(start_json(pair));
     places.push_back(start_place(pair));
   }
-  return {{"size", scale_of(whole_map(merge))}, {"starts", starts}, {"start_places", places}};
+  Json found = {{"size", scale_of(whole_map(merge))}, {"starts", starts}, {"start_places", places}};
+  if (merge.base) found["base_height"] = merge.base->height / scale_of(merge.posing);
+  return found;
 }
 
 Json found_json(const SculptOutcome& sculpt, std::span<const Note> notes) {

@@ -24,7 +24,7 @@ class Retirement {
 /// A page's session.
 class Session : public PageSession {
  public:
-  Session(std::shared_ptr<Channel> channel, const Shared& shared, Retirement& retirement)
+  Session(std::shared_ptr<Channel> channel, Shared& shared, Retirement& retirement)
       : retirement_(retirement), worker_(std::make_unique<Worker>(std::move(channel), shared)) {}
   ~Session() override { retirement_.take(std::move(worker_)); }
   void receive(std::string_view text) override { worker_->receive(text); }

@@ -19,16 +19,14 @@ using namespace std::chrono_literals;
 namespace {
 
 Json welcome(const Shared& shared) {
-  Json folders = Json::array(), models = Json::array(), samples = Json::array();
-  for (const auto& folder : shared.folders.roots())
-    if (folder != shared.upload_folder) folders.push_back(folder.string());
+  Json models = Json::array(), samples = Json::array();
   for (const auto& model : shared.models) models.push_back(model.string());
   for (const SampleInfo& sample : sample_list())
     samples.push_back({{"name", sample.name},
                        {"description", sample.description},
                        {"resolution", sample.default_resolution}});
   return {{"version", MESHGRAFT_VERSION},
-          {"folders", folders},
+          {"folders", folders_json(shared)},
           {"models", models},
           {"samples", samples},
           {"waited_for", !shared.result.empty()}};
@@ -36,13 +34,20 @@ Json welcome(const Shared& shared) {
 
 }  // namespace
 
+Json folders_json(const Shared& shared) {
+  Json folders = Json::array();
+  for (const auto& folder : shared.folders.roots())
+    if (folder != shared.upload_folder) folders.push_back(folder.string());
+  return folders;
+}
+
 void require_one_of(const json::Value& message, std::initializer_list<std::string_view> names) {
   const auto is_given = [&](std::string_view name) { return message.raw().contains(name); };
   if (std::count_if(names.begin(), names.end(), is_given) != 1)
     message.fail(facts::script::NotOneOf{.names = names});
 }
 
-Worker::Worker(std::shared_ptr<Channel> channel, const Shared& shared)
+Worker::Worker(std::shared_ptr<Channel> channel, Shared& shared)
     : shared_(shared), outbox_(std::move(channel)), thumbnails_(outbox_) {
   outbox_.tell("welcome", welcome(shared_));
   thread_ = std::jthread([this](const std::stop_token& stop) { work(stop); });
@@ -90,6 +95,7 @@ Worker::Answer Worker::answer_to(const std::string& what) {
   static const std::map<std::string, Answer> answers = {
       {"open", &Worker::open},
       {"list", &Worker::list},
+      {"add-folder", &Worker::add_folder},
       {"restore", &Worker::restore},
       {"discard", &Worker::discard},
       {"select", &Worker::select},

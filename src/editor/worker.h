@@ -32,13 +32,16 @@ struct Shared {
   Numbers numbers{};
 };
 
+/// Returns the paths of the folders that a page may use.
+Json folders_json(const Shared& shared);
+
 /// Throws Error(input) unless a message has exactly one of these fields.
 void require_one_of(const json::Value& message, std::initializer_list<std::string_view> names);
 
 /// Works on one page's requests (protocol.schema.json) on a thread of its own.
 class Worker {
  public:
-  Worker(std::shared_ptr<Channel> channel, const Shared& shared);
+  Worker(std::shared_ptr<Channel> channel, Shared& shared);
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
@@ -82,6 +85,7 @@ class Worker {
   // One function per request. A discarded result means that another thread sends the answer.
   Json open(const json::Value& message, const Context& context);
   Json list(const json::Value& message, const Context& context);
+  Json add_folder(const json::Value& message, const Context& context);
   Json restore(const json::Value& message, const Context& context);
   Json discard(const json::Value& message, const Context& context);
   Json select(const json::Value& message, const Context& context);
@@ -118,7 +122,7 @@ class Worker {
   Json export_mesh(const json::Value& message, const Context& context);
   Json state(const json::Value& message, const Context& context);
 
-  const Shared& shared_;
+  Shared& shared_;
   Outbox outbox_;
   RequestQueue queue_;
   std::unique_ptr<Workspace> workspace_;

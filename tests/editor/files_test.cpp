@@ -48,6 +48,29 @@ TEST(Editor, OpensAModelWithOthersBeside) {
   EXPECT_EQ(page.refusal({{"do", "open"}, {"path", file}, {"parts", {"/etc/passwd"}}})["code"], "input");
 }
 
+TEST(Editor, UsesAFolderThatAPageAdds) {
+  const TemporaryFolder folder, added;
+  const std::string file = bar_file(added).string();
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  EXPECT_EQ(page.refusal({{"do", "open"}, {"path", file}})["code"], "input");
+  const auto refused = [&](const std::string& path) {
+    return page.refusal({{"do", "add-folder"}, {"path", path}})["id"].get<std::string>();
+  };
+  EXPECT_EQ(refused("models"), "editor.path_not_whole");
+  EXPECT_EQ(refused(file), "editor.no_such_folder");
+  EXPECT_EQ(refused((added / "none").string()), "editor.no_such_folder");
+  EXPECT_EQ(refused(std::string("/tmp\0", 5)), "editor.zero_byte");
+
+  const Json reply = page.ask({{"do", "add-folder"}, {"path", (added / ".").string()}});
+  EXPECT_EQ(reply["folder"], fs::canonical(added.path()).string());
+  EXPECT_EQ(reply["folders"].size(), 2U);
+  EXPECT_EQ(page.ask({{"do", "add-folder"}, {"path", added.path().string()}})["folders"].size(), 2U) << "once";
+  page.ask({{"do", "open"}, {"path", file}});
+  Page other(editor.url());
+  EXPECT_EQ(other.ask({{"do", "list"}})["folders"].size(), 2U) << "for all pages";
+}
+
 TEST(Editor, OpensAnEditFileAndWhatBelongsToIt) {
   const TemporaryFolder folder;
   bar_file(folder);

@@ -94,6 +94,12 @@ function fileCommands({ editor, page }: CommandContext): Command[] {
       help: "Writes the edited mesh to a file.",
       run: () => page.exportMesh(), enabled: isOpen,
     },
+    {
+      id: "save-part", group: "file", label: "Save as a part", keys: [],
+      help: "Writes the model as it is shown to the folder of the part library.",
+      run: () => void editor.folders.saveAsPart(editor.state.value?.model.name ?? "part"),
+      enabled: () => isOpen() && !editor.graft.isEdited.value,
+    },
   ];
 }
 
@@ -170,7 +176,7 @@ function toolCommands({ editor, settings, tools }: CommandContext): Command[] {
     ...toolTable.map(([tool, label, key, help]): Command => ({
       id: `tool-${tool}`, group: "tool", label, keys: [key], help,
       run: () => (settings.tool.value = tool), enabled: changingTools.has(tool) ? canChange : enabled,
-      active: () => settings.tool.value === tool,
+      active: () => editor.toolInUse.value === tool,
     })),
     {
       id: "brush-smaller", group: "tool", label: "Smaller brush", keys: ["["], repeats: true,
@@ -206,8 +212,12 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
     isOpen() && graft.mode.value === "deform" && seam() !== null && seam()?.vertexCount === editor.state.value?.model.vertices;
   const selectSeam = async () => {
     const indices = Array.from(seam()?.vertices ?? []);
-    if ((await editor.ask({ do: "select", how: "set", what: { indices } })) === undefined) return;
-    await editor.ask({ do: "select", how: "grow", rings: seamMargin });
+    if ((await editor.ask({ do: "select", how: "set", what: { indices } })) === undefined) return false;
+    return (await editor.ask({ do: "select", how: "grow", rings: seamMargin })) !== undefined;
+  };
+  const relaxSeam = async () => {
+    const strength = editor.tools.shapeStrength.value;
+    if (await selectSeam()) await editor.shape({ do: "sculpt", action: "smooth", strength });
   };
   return [
     {
@@ -239,6 +249,11 @@ function selectCommands({ editor, tools }: CommandContext): Command[] {
       id: "select-seam", group: "select", label: "Select the seam", keys: [],
       help: "Selects the seam of the latest graft with a margin, to smooth it.",
       run: () => void selectSeam(), enabled: hasSeam,
+    },
+    {
+      id: "relax-seam", group: "select", label: "Relax the seam", keys: [],
+      help: "Smooths the seam of the latest graft with a margin, as a step whose strength can be changed under Steps.",
+      run: () => void relaxSeam(), enabled: () => hasSeam() && editor.mending.canMend.value,
     },
     {
       id: "mirror-graft", group: "select", label: "Mirrored copy", keys: [],

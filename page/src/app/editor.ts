@@ -8,6 +8,7 @@ import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import { announcementOf, openedWords } from "./announcements";
 import { engineUrl } from "./engine_url";
+import { Folders } from "./folders";
 import { Graft } from "./graft/graft";
 import { Library } from "./library";
 import { Marking } from "./marking";
@@ -16,8 +17,9 @@ import { baseName, folderOf } from "./paths";
 import { Printing } from "./printing";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
 import { labelOf } from "./request_labels";
+import { shapedWords } from "./shaping";
 import { asPercent, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
-import { ToolSettings } from "./tool_settings";
+import { changingTools, ToolSettings, type ToolName } from "./tool_settings";
 import { counted, formatNumber, unitsOfFiles } from "./units";
 import { keyOfUpload } from "./upload";
 import type { ViewSettings } from "./view_settings";
@@ -85,7 +87,13 @@ export type DialogName = "open" | "save" | "export" | "help";
  */
 export class Editor {
   readonly tools = new ToolSettings();
+  /** The chosen tool, or Navigate in place of one that would change the model while a graft is edited. */
+  readonly toolInUse = computed((): ToolName => {
+    const chosen = this.tools.tool.value;
+    return changingTools.has(chosen) && this.graft.isEdited.value ? "navigate" : chosen;
+  });
   readonly graft: Graft;
+  readonly folders: Folders;
   readonly library: Library;
   readonly mending: Mending;
   readonly printing: Printing;
@@ -151,7 +159,7 @@ export class Editor {
       ask: (request) => this.ask(request),
       attempt: (request) => this.attempt(request),
       request: (request) => this.connection.request(request),
-      note: (problem, remedy) => this.note(problem, "", remedy),
+      note: (problem, remedy = "") => this.tell("note", { problem, location: "", remedy }, { topic: "graft" }),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
     this.marking = new Marking({
@@ -171,6 +179,13 @@ export class Editor {
       ask: (request) => this.ask(request),
       up: () => this.viewport.navigation.axes()[2].toArray(),
       showPart: (name) => this.graft.showPart(name),
+    });
+    this.folders = new Folders({
+      welcome: this.welcome,
+      attempt: (request) => this.attempt(request),
+      ask: (request) => this.ask(request),
+      note: (problem, remedy) => this.tell("note", { problem, location: "", remedy }, { topic: "written" }),
+      tellFiles: (done, outcome) => this.tellFiles(done, outcome),
     });
     this.library = new Library((request) => this.connection.send(request));
     effect(() => this.rememberDocument());
@@ -382,6 +397,13 @@ export class Editor {
     this.dialog.value = "export";
   }
 
+  /** Shapes a region, and tells what the engine notes on it. */
+  async shape(request: Extract<PageRequest, { do: "sculpt" }>): Promise<void> {
+    const answer = await this.ask(request);
+    const problem = answer === undefined ? undefined : shapedWords(answer);
+    if (problem !== undefined) this.tell("note", { problem, location: "", remedy: "" }, { topic: "shaped" });
+  }
+
   /** Changes the colour of a group and nothing else. */
   recolour(name: string, colour: string): Promise<Outcome | undefined> {
     return this.ask({ do: "group", name, colour, keep: true });
@@ -452,6 +474,7 @@ export class Editor {
   private onEvent(event: EngineEvent): void {
     switch (event.event) {
       case "welcome":
+        this.folders.addRemembered(event); // before a model of such a folder is opened
         if (this.welcome.value === null) this.openAtStart(event.models);
         this.welcome.value = event;
         if (this.reopening !== undefined) void this.reopen(this.reopening.to);

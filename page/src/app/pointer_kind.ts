@@ -11,6 +11,12 @@ export function followPointerKind(): void {
   window.addEventListener("pointerdown", ({ pointerType }) => (pointerKind.value = kindOf(pointerType)), { capture: true });
 }
 
+/** Returns a hint for who points with fingers: "tap" in place of "click". */
+export function forFingers(hint: string): string {
+  if (pointerKind.value !== "touch") return hint;
+  return hint.replace(/\bClick\b/g, "Tap").replace(/\bclick\b/g, "tap");
+}
+
 export function kindOf(pointerType: string): PointerKind {
   return pointerType === "touch" || pointerType === "pen" ? pointerType : "mouse";
 }

@@ -20,6 +20,7 @@ const labels: Partial<Record<string, string>> = {
   part: "Opening the part",
   loops: "Finding boundary loops",
   thumbnail: "Making a picture",
+  "add-folder": "Adding a folder",
   cut: "Cutting",
   mark: "Finding the places",
   repair: "Mending",

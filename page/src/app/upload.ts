@@ -43,7 +43,7 @@ export function refusalOf(file: { name: string; size: number }): Told | undefine
     return {
       problem: "An edit file needs the models beside it, which the browser cannot read",
       location: file.name,
-      remedy: "Open it under Folders, or start the editor in its folder.",
+      remedy: "Add its folder under Folders, and open it there.",
     };
   if (!formats.some((format) => file.name.toLowerCase().endsWith(format)))
     return {

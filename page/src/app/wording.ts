@@ -216,8 +216,12 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the file ${file} cannot be shown: its coordinates reach ${formatNumber(reach, 3)} and its size is ${formatNumber(size, 3)}`,
     remedy: `Scale it to sizes between ${formatNumber(low, 3)} and ${formatNumber(high, 3)}.`,
   }),
+  "editor.path_not_whole": () => ({
+    problem: "this is not the whole path of a folder",
+    remedy: "Begin at the root or at your home, such as /home/me/models or ~/models.",
+  }),
   "editor.outside_folders": () => ({
-    remedy: "Drop the file on the window, or start the editor in its folder.",
+    remedy: "Drop the file on the window, or add its folder where you choose files.",
   }),
   "editor.too_many_requests": () => ({
     problem: "too many changes are waiting",

@@ -203,6 +203,11 @@ function Content({ page, extension, part }: ContentProps) {
   return (
     <>
       <p class="hint">{`${counted(faces, "face")}, ${formatSize(sidesOf(box), unit)}. ${isOther ? "" : words}${noUnit}`}</p>
+      {isUnchecked && faces > mostFacesChecked && (
+        <p class="hint">
+          This large mesh is not checked yet for what printers refuse. <Button label="Check" onClick={() => void printing.check()} />
+        </p>
+      )}
       {(isOther || problems.length > 0) && (
         <ul class="export-warnings" aria-label="Warnings">
           {isOther && <ExportWarning words={words} />}
@@ -276,6 +281,7 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
       />
       <p class="hint">{format.keeps}</p>
       {!asMorph && !graft.isEdited.value && <Content page={page} extension={format.extension} part={part} />}
+      {graft.isEdited.value && <p class="hint">The file has the graft as it is now. Accept it first to have the mesh checked.</p>}
       {format.morphTargets === true && (
         <Toggle
           label="As a morph target"

@@ -2,6 +2,7 @@ import { useEffect, useState } from "preact/hooks";
 import type { Page } from "../app/page";
 import { compareNames, baseName, folderOf, joined } from "../app/paths";
 import { formatBytes } from "../app/units";
+import { AddFolder } from "./add_folder";
 import { Thumbnail } from "./graft/thumbnail";
 import { Icon } from "./ui/icon";
 
@@ -125,11 +126,12 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
         {isEmpty && (
           <li class="nothing">
             {folder === null
-              ? "No folder is open. Start the editor in the folder of your models."
+              ? "There is no folder yet. Add that of your models."
               : "No matching files here."}
           </li>
         )}
       </ul>
+      <AddFolder page={page} onAdded={onFolder} />
     </div>
   );
 }

@@ -29,6 +29,7 @@ export function Header({ page }: { page: Page }) {
           menuItem(page, "save", "save"),
           menuItem(page, "save-as"),
           menuItem(page, "export", "export"),
+          menuItem(page, "save-part"),
           { ...menuItem(page, "help", "help"), begins: true },
           menuItem(page, "tour"),
         ]}

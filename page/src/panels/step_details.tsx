@@ -129,6 +129,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       <GraftNumbers
         step={step}
         foundSize={found?.size}
+        foundBase={found?.base_height}
         keep={keep}
         twist={<Twists page={page} count={found?.starts?.length ?? 0} index={index} />}
       />
@@ -136,6 +137,7 @@ export function GraftDetails({ page, step: { fields, found }, index }: DetailsPr
       <MirrorField step={step} keep={keep} middle={() => page.graft.centreOf(mesh)} />
       <EditAgain page={page} index={index} />
       {commandOf(page, "select-seam").enabled() && <CommandLabelButton page={page} id="select-seam" icon="loop" />}
+      {commandOf(page, "relax-seam").enabled() && <CommandLabelButton page={page} id="relax-seam" icon="brush" />}
       {latestGraft(page.editor.state.value)?.fields === fields && <CommandLabelButton page={page} id="mirror-graft" icon="symmetry" />}
       <More label="More options">
         <BlendColours page={page} step={step} keep={keep} />
@@ -205,7 +207,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
         choices={[
           { value: "above", label: plane === undefined ? "Inside" : "Above", help: aboveHelp(plane) },
           { value: "below", label: plane === undefined ? "Outside" : "Below" },
-          ...(divides ? [] : [{ value: "both", label: "Both", help: "Splits the mesh and keeps both sides." } as const]),
+          ...(divides ? [] : [{ value: "both", label: "Split, keep both" } as const]),
         ]}
         onChange={(keep) => change({ keep })}
       />

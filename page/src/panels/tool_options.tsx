@@ -3,9 +3,8 @@ import { pointerKind } from "../app/pointer_kind";
 import type { ToolName, ToolSettings } from "../app/tool_settings";
 import { scalingPose } from "../app/placing";
 import { counted } from "../app/units";
-import type { PageRequest } from "../protocol";
 import { CommandButton, CommandLabelButton } from "./command_button";
-import { inflatedHeight, shapedWords } from "../app/shaping";
+import { inflatedHeight } from "../app/shaping";
 import { Button } from "./ui/button";
 import { NumberField, Segments, Slider } from "./ui/fields";
 
@@ -62,7 +61,7 @@ export function BrushSize({ tools }: { tools: ToolSettings }) {
 export function ToolOptions({ page }: { page: Page }) {
   const { editor } = page;
   const { tools } = editor;
-  const tool = tools.tool.value;
+  const tool = editor.toolInUse.value;
   const selected = editor.selected.value;
   return (
     <div class="tool-options" data-homes="top low">
@@ -167,16 +166,11 @@ function ShapeLine({ page }: { page: Page }) {
   const { shapeStrength } = editor.tools;
   const canShape = editor.mending.canMend.value; // no graft is open
   const strength = shapeStrength.value;
-  const ask = async (request: Extract<PageRequest, { do: "sculpt" }>) => {
-    const answer = await editor.ask(request);
-    const problem = answer === undefined ? undefined : shapedWords(answer);
-    if (problem !== undefined) editor.tell("note", { problem, location: "", remedy: "" }, { topic: "shaped" });
-  };
-  const shape = (action: "smooth" | "flatten") => void ask({ do: "sculpt", action, strength });
+  const shape = (action: "smooth" | "flatten") => void editor.shape({ do: "sculpt", action, strength });
   const inflate = (sign: 1 | -1) => {
     const surface = viewport.main;
     if (surface === undefined) return;
-    void ask({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength) });
+    void editor.shape({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength) });
   };
   return (
     <div class="tool-line shape-line" role="toolbar" aria-label="Shape">

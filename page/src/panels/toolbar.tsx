@@ -14,7 +14,7 @@ const groups: readonly (readonly string[])[] = [
 /** The tools, at the left. Arrow keys move between them; the tab key skips all of them. */
 export function Toolbar({ page }: { page: Page }) {
   const bar = useRef<HTMLDivElement>(null);
-  const active = page.editor.tools.tool.value;
+  const active = page.editor.toolInUse.value;
   const onKeyDown = (event: KeyboardEvent) => {
     const step = event.key === "ArrowDown" ? 1 : event.key === "ArrowUp" ? -1 : 0;
     const buttons = [...(bar.current?.querySelectorAll<HTMLElement>("button") ?? [])];

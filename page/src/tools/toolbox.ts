@@ -2,7 +2,7 @@ import { effect, untracked } from "@preact/signals";
 import type { ToolActions } from "../app/commands";
 import type { Editor } from "../app/editor";
 import type { GraftTool } from "../app/graft/graft";
-import { changingTools, type ToolName } from "../app/tool_settings";
+import type { ToolName } from "../app/tool_settings";
 import type { Hit } from "../view/picking/picking";
 import type { Viewport } from "../view/viewport";
 import { screenCameraOf, type ScreenPoint } from "./screen_camera";
@@ -102,10 +102,8 @@ export class ToolBox implements ToolActions {
     canvas.addEventListener("dblclick", (event) => this.tool.confirm?.() === true && event.preventDefault());
     this.viewport.navigation.isBlocked = () => this.stroke !== undefined && this.stroke.isClick !== true;
     effect(() => {
-      const { mode, tool, isEdited } = this.editor.graft;
-      const chosen = this.editor.tools.tool.value;
-      const allowed = isEdited.value && changingTools.has(chosen) ? "navigate" : chosen;
-      const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[allowed];
+      const { mode, tool } = this.editor.graft;
+      const next = mode.value === "graft" ? this.graftTools[tool.value] : this.tools[this.editor.toolInUse.value];
       untracked(() => this.activate(next));
     });
     effect(() => {

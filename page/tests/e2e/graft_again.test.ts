@@ -32,6 +32,9 @@ test("an earlier graft is edited again with the later steps set aside, and they 
   const user = await withLaterSteps();
   const { page } = user;
   const before = await stepsOf(user);
+  const toolOf = (name: string) => page.getByRole("toolbar", { name: "Tools" }).getByRole("button", { name, exact: true });
+  await page.getByRole("tab", { name: "Deform" }).click();
+  await toolOf("Handle").click();
   await openSteps(user);
   await page.getByText("1. Graft: head on bust").click();
   await user.click("Edit pairs and placement…");
@@ -41,8 +44,8 @@ test("an earlier graft is edited again with the later steps set aside, and they 
     expect.stringContaining("2. Cut: bust"),
     expect.stringContaining("3. Shape: bust"),
   ]);
-  for (const name of ["Handle", "Lay flat"])
-    expect(await page.getByRole("button", { name, exact: true }).isDisabled()).toBe(true);
+  for (const name of ["Handle", "Lay flat"]) expect(await toolOf(name).isDisabled()).toBe(true);
+  expect(await toolOf("Navigate").getAttribute("aria-pressed")).toBe("true");
   await user.press("a"); // selects all, which nothing may be made of
   expect(await page.getByRole("button", { name: "Make handle" }).isDisabled()).toBe(true);
   await user.rests();

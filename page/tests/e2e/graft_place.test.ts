@@ -235,6 +235,8 @@ test("opens a closed part where it is dropped, at a height that the wheel change
   await user.page.locator(".graft-end").getByRole("button", { name: "Accept" }).click();
   await user.settle();
   expect(await saved(harness)).toMatchObject(watertight);
+  const found = await user.page.evaluate(() => window.meshgraft.editor.state.value?.steps.find(({ kind }) => kind === "merge")?.found);
+  expect(found?.base_height).toBeGreaterThan(heightBefore); // Steps shows it, and changes it from there
   expect(user.complaints).toEqual([]);
 }, 240_000);
 

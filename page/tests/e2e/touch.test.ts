@@ -53,7 +53,7 @@ test("what fingers press is 44 pixels wide and high", async () => {
   await page.getByRole("button", { name: "File menu of meshgraft" }).tap();
   expect(await smallTargets(user), "menu").toEqual([]);
   await user.screenshot(`touch-menu-${theme}`);
-  await page.getByRole("menuitem", { name: /^Save as/ }).tap();
+  await page.getByRole("menuitem", { name: /^Save as…/ }).tap();
   await page.getByRole("dialog").waitFor();
   expect(await smallTargets(user), "dialog").toEqual([]);
   await page.getByRole("dialog").getByRole("button", { name: "Cancel" }).tap();
@@ -156,5 +156,40 @@ test("the pressure of a pen sizes the brush", async () => {
   expect(light).toBeGreaterThan(0);
   expect(usual).toBeGreaterThan(1.5 * light);
   expect(firm).toBeGreaterThan(1.5 * usual);
+  expect(user.complaints).toEqual([]);
+}, 60_000);
+
+test("a finger scrolls the part library, and drags a part sideways onto the surface", async () => {
+  harness = await EditorHarness.open({ touch: true, size: { width: 1024, height: 600 } });
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("bust", 30);
+  await page.getByRole("tab", { name: "Graft" }).tap();
+  const hand = await page.context().newCDPSession(page);
+  const touch = (type: "touchStart" | "touchMove" | "touchEnd", points: readonly Point[]) =>
+    hand.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+  const swipe = async ([x, y]: Point, [dx, dy]: Point) => {
+    await touch("touchStart", [[x, y]]);
+    for (let k = 1; k <= 10; ++k) await touch("touchMove", [[x + (k / 10) * dx, y + (k / 10) * dy]]);
+    await touch("touchEnd", []);
+  };
+  const middleOf = async (name: string): Promise<Point> => {
+    const box = (await page.getByRole("button", { name, exact: true }).boundingBox())!;
+    return [box.x + box.width / 2, box.y + box.height / 2];
+  };
+  const isSeen = ([, y]: Point) => y > 80 && y < 560;
+  const before = await middleOf("Add head");
+  expect(isSeen(before)).toBe(true);
+  await swipe(before, [0, -120]);
+  await expect.poll(async () => before[1] - (await middleOf("Add head"))[1]).toBeGreaterThan(60);
+  expect(await page.evaluate(() => window.meshgraft.editor.graft.parts.value.length)).toBe(0);
+
+  const at = await middleOf("Add octopus");
+  expect(isSeen(at)).toBe(true);
+  const chest = await aimAt(user, farthest(sampled(harness, "bust", 30), [0, -1, 0]));
+  await swipe(at, [chest[0] - at[0], chest[1] - at[1]]);
+  await page.waitForFunction(() => window.meshgraft.editor.isIdle() && window.meshgraft.editor.state.value?.graft !== null);
+  await user.rests();
+  await user.screenshot(`touch-dropped-${theme}`);
   expect(user.complaints).toEqual([]);
 }, 60_000);

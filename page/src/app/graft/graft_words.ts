@@ -1,13 +1,14 @@
 import { computed, type ReadonlySignal } from "@preact/signals";
 import type { Graft } from "./graft";
 import type { LiveWords } from "../live_words";
+import { forFingers } from "../pointer_kind";
 import { counted } from "../units";
 import { fieldsOf } from "../wording";
 
 /** Returns what the user has to do before a graft can start; undefined without a part. */
 export function pairingWords(graft: Graft): string | undefined {
   const words = nextAction(graft);
-  return words === undefined ? undefined : `${words}.`;
+  return words === undefined ? undefined : forFingers(`${words}.`);
 }
 
 function nextAction(graft: Graft): string | undefined {
@@ -49,7 +50,7 @@ export function graftWords(graft: Graft): LiveWords {
         ? idle("Choose the side to keep")
         : idle("No closed curve yet");
     case "drop":
-      return idle("Point at the surface; click or release to graft");
+      return idle(forFingers("Point at the surface; click or release to graft"));
     case "fixed":
       return idle("Painting the fixed area");
     case "loops":

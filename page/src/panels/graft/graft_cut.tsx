@@ -1,4 +1,5 @@
 import { otherSide } from "../../app/cuts";
+import { pointerKind } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { Button } from "../ui/button";
 import { Segments, Select, Slider } from "../ui/fields";
@@ -97,7 +98,7 @@ function PlaneFields({ page }: { page: Page }) {
           onChange={(value) => page.graft.movePlane(value)}
         />
       )}
-      {cut === null && <p class="hint">Draw a line across the model, or choose an axis. Middle-drag orbits.</p>}
+      {cut === null && <p class="hint">Draw a line across the model, or choose an axis.{pointerKind.value !== "touch" && " Middle-drag orbits."}</p>}
       {cut !== null && (
         <CutClosingFields
           closing={graft.cutClosing.value}

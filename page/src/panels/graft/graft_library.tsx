@@ -1,8 +1,10 @@
-import { useRef, useState } from "preact/hooks";
+import { useEffect, useRef } from "preact/hooks";
 import type { PartSource } from "../../app/graft/graft";
 import type { Pictured } from "../../app/library";
+import { forFingers } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { baseName, joined } from "../../app/paths";
+import { AddFolder } from "../add_folder";
 import { takePartFile } from "../drop";
 import { useListing } from "../folder_browser";
 import { Thumbnail } from "./thumbnail";
@@ -23,23 +25,28 @@ export function PartLibrary({ page }: { page: Page }) {
   const { editor } = page;
   const { value: welcome } = editor.welcome;
   const roots = welcome?.folders ?? [];
-  const [location, setLocation] = useState<string>((welcome?.models.length ?? 0) > 0 ? (roots[0] ?? "samples") : "samples");
+  const { ofParts } = editor.folders;
+  useEffect(() => {
+    if (ofParts.value === null && (welcome?.models.length ?? 0) > 0) ofParts.value = roots[0] ?? null;
+  }, []);
+  const folder = ofParts.value;
+  const root = roots.find((one) => folder === one || folder?.startsWith(joined(one, "")));
   const input = useRef<HTMLInputElement>(null);
   return (
     <Section
       title="Part library"
-      hint="Click a part to add it beside the model, or drag it onto the surface to graft it there."
+      hint={forFingers("Click a part to add it beside the model, or drag it onto the surface to graft it there.")}
       startsOpen
     >
       <GivenParts page={page} />
       <div class="library-bar">
         <select
           aria-label="Where parts come from"
-          data-tip={location === "samples" ? undefined : location}
-          value={location}
-          onChange={(event) => setLocation(event.currentTarget.value)}
+          data-tip={folder ?? undefined}
+          value={root ?? ""}
+          onChange={(event) => (ofParts.value = event.currentTarget.value || null)}
         >
-          <option value="samples">Samples</option>
+          <option value="">Samples</option>
           {roots.map((root) => (
             <option key={root} value={root}>
               {baseName(root)}
@@ -65,11 +72,8 @@ export function PartLibrary({ page }: { page: Page }) {
           }}
         />
       </div>
-      {location === "samples" ? (
-        <SampleParts page={page} />
-      ) : (
-        <FolderParts key={location} page={page} root={location} />
-      )}
+      {folder === null ? <SampleParts page={page} /> : <FolderParts page={page} root={root ?? folder} folder={folder} />}
+      <AddFolder page={page} onAdded={(added) => (ofParts.value = added)} />
     </Section>
   );
 }
@@ -97,8 +101,8 @@ function SampleParts({ page }: { page: Page }) {
   return <Cards page={page} label="Samples" offered={offered} />;
 }
 
-function FolderParts({ page, root }: { page: Page; root: string }) {
-  const [folder, setFolder] = useState(root);
+function FolderParts({ page, root, folder }: { page: Page; root: string; folder: string }) {
+  const setFolder = (to: string) => (page.editor.folders.ofParts.value = to);
   const listing = useListing(page, folder);
   const models = (listing?.files ?? []).filter((file) => file.kind === "model");
   return (

@@ -6,6 +6,7 @@ import type { GraftFields, GraftStep } from "../../app/graft/graft_step";
 import { withoutMatch, withoutPair } from "../../app/graft/graft_step";
 import { setAsideWords } from "../../app/graft/set_aside";
 import { pairingWords } from "../../app/graft/graft_words";
+import { forFingers } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { PartLibrary } from "./graft_library";
 import { CutInWork, CutPanel } from "./graft_cut";
@@ -123,7 +124,7 @@ function Pairs({ page }: { page: Page }) {
   const report = graft.report.value;
   return (
     <>
-      {pairs.length === 0 && <p class="hint">Click a loop on each mesh to pair them.</p>}
+      {pairs.length === 0 && <p class="hint">{forFingers("Click a loop on each mesh to pair them.")}</p>}
       <ul class="list pairs-list" aria-label="Pairs of loops">
         {pairs.map((pair, i) => {
           const found = pair.start === undefined && pair.matches.length === 0;
@@ -155,7 +156,7 @@ function Pairs({ page }: { page: Page }) {
                     high={0.8}
                     optimum={1}
                     value={confidence}
-                    aria-label={`Confidence of pair ${i + 1}`}
+                    aria-label={`Rotation of pair ${i + 1}`}
                   />
                 )}
               </button>

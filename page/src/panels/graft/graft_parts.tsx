@@ -80,6 +80,12 @@ function PartRow({ page, part }: { page: Page; part: MeshObject }) {
             disabled: !idle,
             run: () => void editor.ask({ do: "part", what: "edit", name: part.name }),
           },
+          {
+            label: "Save as a part",
+            icon: "save",
+            disabled: !idle,
+            run: () => void editor.folders.saveAsPart(part.name, part.name),
+          },
           { label: "Export…", icon: "export", run: () => editor.askToExport(part.name) },
           {
             label: "Remove",

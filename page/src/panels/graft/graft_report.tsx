@@ -1,5 +1,6 @@
 import { graftRemedy } from "../../app/graft/graft_remedies";
 import { pairsToGo, pairsToGoWords } from "../../app/graft/graft_words";
+import { forFingers } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { counted } from "../../app/units";
@@ -37,7 +38,7 @@ export function GraftReportView({ page }: { page: Page }) {
     return (
       <div class="graft-state" role="status">
         <strong>{pairsToGoWords(toGo)}</strong>
-        <span>Click a loop of the model and the loop of the part to join to it.</span>
+        <span>{forFingers("Click a loop of the model and the loop of the part to join to it.")}</span>
       </div>
     );
   if (report.error !== undefined) {

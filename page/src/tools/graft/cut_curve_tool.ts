@@ -1,3 +1,4 @@
+import { forFingers } from "../../app/pointer_kind";
 import { effect } from "@preact/signals";
 import { Vector3 } from "three";
 import type { GraftView } from "../../view/graft/graft_view";
@@ -34,7 +35,7 @@ export class CutCurveTool implements Tool {
 
   hover(pointer: Pointer, hit: Hit | undefined): void {
     const { value: curve } = this.graft.cutCurve;
-    if (this.isAtFirst(pointer.screenPoint)) this.context.status.say("Click to close the curve", pointer.screenPoint);
+    if (this.isAtFirst(pointer.screenPoint)) this.context.status.say(forFingers("Click to close the curve"), pointer.screenPoint);
     else if (hit === undefined) this.context.status.clear();
     else if (curve?.closed === true) this.context.status.say("Enter keeps the inside", pointer.screenPoint);
     else if (curve === null) this.context.status.say("Draw a closed curve on the surface", pointer.screenPoint);

@@ -1,5 +1,6 @@
 import type { Graft } from "../../app/graft/graft";
 import type { GraftFields } from "../../app/graft/graft_step";
+import { pointerKind } from "../../app/pointer_kind";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Hit } from "../../view/picking/picking";
 import { raycastSurface } from "../../view/picking/picking";
@@ -142,9 +143,12 @@ export class DropTool implements Tool {
     const found = this.drop.baseHeight ?? this.graft.report.value?.base?.height;
     const height = found === undefined ? "by itself" : `at ${found.toPrecision(3)}`;
     const tilt = this.drop.baseTiltDeg === 0 ? "" : `, tilted ${this.drop.baseTiltDeg.toFixed(0)}°`;
-    const base = isClosed ? ` · cut open ${height}${tilt} (Alt+wheel, B; T tilts)` : "";
+    const base = isClosed ? ` · cut open ${height}${tilt}` : "";
+    const spin = `Spin ${this.drop.spinDeg.toFixed(0)}°`;
     this.context.status.say(
-      `Spin ${this.drop.spinDeg.toFixed(0)}° (wheel, R) · ${size} (Shift+wheel, S)${base} · Esc cancels`,
+      pointerKind.value === "touch"
+        ? `${spin} · ${size}${base} · lift the finger to graft`
+        : `${spin} (wheel, R) · ${size} (Shift+wheel, S)${base}${isClosed ? " (Alt+wheel, B; T tilts)" : ""} · Esc cancels`,
       this.screenPoint,
     );
   }

@@ -7,6 +7,7 @@ import {
 } from "../../app/graft/graft_step";
 import { areInOrder, matchingParameter, nearestPoint } from "../../app/graft/loop_curve";
 import { cssColour, pairColour } from "../../app/graft/graft_colours";
+import { forFingers } from "../../app/pointer_kind";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { ScreenPoint } from "../screen_camera";
 import { onOverlay, set, show, svg } from "../svg";
@@ -287,9 +288,9 @@ export class LoopPairTool implements Tool {
     const { value: unit } = this.context.viewport.settings.unit;
     const length = Number(loop.length.toPrecision(3)).toString();
     const what = `${object.name}, loop ${ref.loop + 1}: ${loop.vertices.length} vertices, ${length}${unit === "none" ? "" : ` ${unit}`} around`;
-    if (this.pairOf(ref) >= 0) return `${what} · double-click to add a match`;
+    if (this.pairOf(ref) >= 0) return forFingers(`${what} · double-click to add a match`);
     const { value: picked } = this.graft.picked;
-    return picked !== null && picked.mesh !== ref.mesh ? `${what} · click to pair` : what;
+    return picked !== null && picked.mesh !== ref.mesh ? forFingers(`${what} · click to pair`) : what;
   }
 }
 

@@ -37,7 +37,12 @@ export class GraftPanelActions implements GraftActions {
     const end = () => {
       window.removeEventListener("pointermove", move);
       window.removeEventListener("pointerup", up);
-      window.removeEventListener("pointercancel", up);
+      window.removeEventListener("pointercancel", lose);
+    };
+    const lose = (event: PointerEvent) => {
+      if (event.pointerId !== press.pointerId) return;
+      end();
+      void begun?.then((begun) => begun && this.dropTool.cancel());
     };
     const up = (event: PointerEvent) => {
       if (event.pointerId !== press.pointerId) return;
@@ -49,7 +54,7 @@ export class GraftPanelActions implements GraftActions {
     };
     window.addEventListener("pointermove", move);
     window.addEventListener("pointerup", up);
-    window.addEventListener("pointercancel", up);
+    window.addEventListener("pointercancel", lose);
   }
 
   async dropByClick(add: () => Promise<string | undefined>): Promise<void> {

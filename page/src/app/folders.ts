@@ -1,0 +1,71 @@
+import { signal, type Signal } from "@preact/signals";
+import type { Outcome } from "../engine/connection";
+import type { EngineEvent, PageRequest } from "../protocol";
+import { joined } from "./paths";
+import { remembered } from "./remembered";
+import type { Failure } from "./wording";
+
+type Welcome = Extract<EngineEvent, { event: "welcome" }>;
+
+/** Whole paths of the folders that were added in this browser. */
+const added = remembered<string[]>("folders", []);
+
+/** The objects of the editor that folders use. */
+export interface FoldersLinks {
+  readonly welcome: Signal<Welcome | null>;
+  attempt(request: PageRequest): Promise<Outcome | Failure>;
+  ask(request: PageRequest): Promise<Outcome | undefined>;
+  note(problem: string, remedy: string): void;
+  tellFiles(done: string, outcome: Outcome): void;
+}
+
+/** The folders whose files may be used: those that the engine started with, and those that the user adds. */
+export class Folders {
+  /** The folder that the part library shows; null if it shows the samples. */
+  readonly ofParts = signal<string | null>(null);
+
+  constructor(private readonly links: FoldersLinks) {}
+
+  /** Adds a folder, in later sessions of this browser, too. Resolves with its path or with the reason why it failed. */
+  async add(path: string): Promise<string | Failure> {
+    const answer = await this.attempt(path);
+    if (typeof answer === "string") added.value = [...added.value.filter((one) => one !== answer), answer];
+    return answer;
+  }
+
+  /** Adds the folders of earlier sessions. Those that are not there now, such as on another disk, are left out. */
+  addRemembered({ folders }: Welcome): void {
+    for (const path of added.value) if (!folders.includes(path)) void this.attempt(path);
+  }
+
+  /** Writes an object as it is shown to the part library's folder, under a new name. Without `part` it is the model. */
+  async saveAsPart(name: string, part?: string): Promise<void> {
+    const folder = this.ofParts.value ?? this.links.welcome.value?.folders[0];
+    if (folder === undefined) return this.links.note("There is no folder for parts", "Add one in the part library.");
+    const listing = await this.links.ask({ do: "list", folder });
+    if (listing === undefined) return;
+    const taken = new Set((listing.files ?? []).map((file) => (typeof file === "string" ? file : file.name)));
+    const path = joined(folder, newName(name, taken));
+    const written = await this.links.ask({ do: "export", path, as: "mesh", ...(part !== undefined && { mesh: part }) });
+    if (written === undefined) return;
+    this.ofParts.value = folder;
+    this.links.tellFiles("Saved as a part", written);
+  }
+
+  private async attempt(path: string): Promise<string | Failure> {
+    const answer = await this.links.attempt({ do: "add-folder", path });
+    if ("code" in answer) return answer;
+    const { welcome } = this.links;
+    if (welcome.value !== null) welcome.value = { ...welcome.value, folders: answer.folders ?? [] };
+    return answer.folder ?? path;
+  }
+}
+
+/** Returns a name for a PLY file that none of the files has. */
+export function newName(stem: string, taken: ReadonlySet<string>): string {
+  const wanted = stem.replace(/[/\\\s]+/g, "_");
+  for (let k = 1; ; ++k) {
+    const name = k === 1 ? `${wanted}.ply` : `${wanted}_${k}.ply`;
+    if (!taken.has(name)) return name;
+  }
+}

@@ -1,0 +1,67 @@
+// Adds folders in the page, and saves parts to the folder of the part library.
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+import { afterEach, expect, test } from "vitest";
+import { EditorHarness, Engine, Folder, freePort, putSample } from "./harness";
+
+let harness: EditorHarness | undefined;
+let other: Folder | undefined;
+afterEach(async () => {
+  await harness?.close();
+  other?.remove();
+  harness = other = undefined;
+});
+
+test("a folder is added by its path, and is there again with the next engine", async () => {
+  other = new Folder();
+  putSample(["bar", "--resolution", "8"], other.file("lamp.ply"));
+  const port = await freePort();
+  harness = await EditorHarness.open({ words: ["--port", port] });
+  const { user, folder } = harness;
+  const { page } = user;
+  const type = async (path: string) => {
+    await page.getByRole("textbox", { name: "Path of the folder" }).fill(path);
+    await user.press("Enter");
+  };
+  await user.click("Add a folder…");
+  await type(join(other.path, "none"));
+  await page.getByRole("alert").getByText(/^There is no such folder/).waitFor();
+  await type("models");
+  await page.getByRole("alert").getByText(/^This is not the whole path/).waitFor();
+  await user.screenshot("folders-refused");
+  await type(other.path);
+  const list = page.getByRole("list", { name: "Files" });
+  await list.getByText("lamp.ply").click();
+  await user.opened();
+  expect(user.complaints).toEqual([]);
+
+  await harness.engine.stop();
+  harness.engine = await Engine.start(["--folder", folder.path, "--port", port]);
+  await page.goto(harness.engine.url);
+  await user.ready();
+  await expect.poll(() => page.evaluate(() => window.meshgraft.editor.welcome.value?.folders)).toContain(other.path);
+}, 60_000);
+
+test("a half is saved as a part, and grafted from the library's folder", async () => {
+  harness = await EditorHarness.open();
+  const { user, folder } = harness;
+  const { page } = user;
+  await harness.openSample("bar", 12);
+  await page.evaluate(() =>
+    window.meshgraft.editor.ask({ do: "cut", halves: true, plane: { point: [0, 0, 0.5], normal: [0, 0, 1] } }),
+  );
+  await user.settle();
+  await page.getByRole("tab", { name: "Graft" }).click();
+  await user.click("More for bar 2");
+  await page.getByRole("menuitem", { name: "Save as a part" }).click();
+  await page.getByText("Saved as a part", { exact: true }).waitFor();
+  expect(existsSync(folder.file("bar_2.ply"))).toBe(true);
+  await page.getByRole("button", { name: "Add bar_2" }).waitFor();
+  await user.screenshot("folders-saved-part");
+
+  await user.click(/^File menu/);
+  await page.getByRole("menuitem", { name: "Save as a part" }).click();
+  await page.getByRole("button", { name: "Add bar", exact: true }).click();
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.parts.length === 2);
+  expect(user.complaints).toEqual([]);
+}, 60_000);
