@@ -31,10 +31,10 @@ test: ## the tests: with and without the optional libraries, page, layers, insta
 	@MESHGRAFT_VENV=none tools/bootstrap.sh build test
 	@python3 tools/run_tests.py minimal release
 
-test-long: asan tsan ## what make test leaves out: sanitizers, large meshes, slow work
-	@cmake --preset release -DMESHGRAFT_BUILD_TESTS=ON
-	@cmake --build --preset release
-	@ctest --preset long
+test-long: ## what make test leaves out: sanitizers, large meshes, slow work
+	@tools/bootstrap.sh build test
+	@python3 tools/run_tests.py asan tsan; sanitized=$$?; cmake --preset release -DMESHGRAFT_BUILD_TESTS=ON && \
+	  cmake --build --preset release && ctest --preset long && exit $$sanitized
 
 build: ## the program: build/release/meshgraft
 	@tools/bootstrap.sh build

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes the pictures of README and docs again: each example before and after, those of docs/method.md, docs/files.md
-# and docs/repair.md, the tour of docs/editor.md, and the page's pictures of the samples. make docs-pictures builds the program first.
+# and docs/repair.md, and the tour of docs/editor.md. Makes the page's pictures of the samples, too. make docs-pictures
+# builds the program first.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=build/release/meshgraft
@@ -23,10 +24,14 @@ for edit in examples/*.json; do
   made=$((made + 1))
 done
 
-# The samples, as the editor's page shows them.
+# The samples, as the editor's page shows them: from the front.
 for name in $("$program" sample --list | cut -d ' ' -f 1); do
+  from="0.5 -1 0.35"
+  if [ "$name" = dinosaur ]; then from="-1 -0.5 0.35"; fi
   "$program" sample "$name" -o "$scratch/$name.ply"
-  "$program" render "$scratch/$name.ply" -o "page/public/samples/$name.png" --transparent --width 144 --height 144
+  # shellcheck disable=SC2086  # three numbers
+  "$program" render "$scratch/$name.ply" -o "page/public/samples/$name.png" --from $from --transparent \
+    --width 144 --height 144
 done
 
 # The same graft by both shapes: FT05's figures 1, 6, 7 and 8 with our own samples.

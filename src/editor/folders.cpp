@@ -78,10 +78,12 @@ std::vector<fs::path> Folders::roots() const {
 fs::path Folders::add(const fs::path& folder) {
   require_sound_name(folder);
   const fs::path whole = from_home(folder);
-  if (!whole.is_absolute()) throw Error(facts::editor::PathNotWhole{}, folder);
+  if (!whole.is_absolute()) throw Error(facts::editor::PathNotFull{}, folder);
   std::error_code failed;
   const fs::path root = fs::canonical(whole, failed);
   if (failed || !fs::is_directory(root)) throw Error(facts::editor::NoSuchFolder{}, folder);
+  if (fs::directory_iterator(root, failed); failed)
+    throw io::file_error(folder, facts::io::Action::read, failed);
   const std::lock_guard lock(mutex_);
   if (std::find(roots_.begin(), roots_.end(), root) == roots_.end()) roots_.push_back(root);
   return root;

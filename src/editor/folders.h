@@ -20,8 +20,8 @@ class Folders {
 
   std::vector<std::filesystem::path> roots() const;
 
-  /// Adds a folder by its whole path, which may begin with `~`, and returns it without links and dots. Throws
-  /// Error(input) for a relative path and Error(io) for a folder that does not exist.
+  /// Adds a folder by its full path, which may begin with `~`, and returns it without links and dots. Throws
+  /// Error(input) for a relative path and Error(io) for a folder that does not exist or cannot be read.
   std::filesystem::path add(const std::filesystem::path& folder);
 
   /// Returns the file that `path` refers to, without links and dots. A relative path starts from the first

@@ -25,9 +25,6 @@ struct FileDocument : UprightSource {
   /// Returns the name of the format, as in `Format`.
   virtual std::string_view format() const = 0;
 
-  /// Returns the axis that points up: what the file says, else the convention of the format, or else of most
-  /// programs that write it.
-
   /// Returns notes on the file's contents that neither the mesh nor its attributes hold, e.g. io.left_out. They
   /// are lost if the file is composed anew.
   virtual std::vector<Note> beside_the_mesh() const = 0;

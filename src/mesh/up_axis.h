@@ -11,7 +11,7 @@ enum class UpAxis { y, z };
 
 /// A source that tells which way is up.
 struct UprightSource : SourceDocument {
-  /// Returns what the source says by itself; nothing if only the custom of its format tells.
+  /// Returns what the source says by itself; nothing if only the convention of its format tells.
   virtual std::optional<UpAxis> stated_up_axis() const = 0;
   virtual UpAxis usual_up_axis() const = 0;
   UpAxis up_axis() const { return stated_up_axis().value_or(usual_up_axis()); }

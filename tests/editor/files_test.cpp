@@ -57,7 +57,7 @@ TEST(Editor, UsesAFolderThatAPageAdds) {
   const auto refused = [&](const std::string& path) {
     return page.refusal({{"do", "add-folder"}, {"path", path}})["id"].get<std::string>();
   };
-  EXPECT_EQ(refused("models"), "editor.path_not_whole");
+  EXPECT_EQ(refused("models"), "editor.path_not_full");
   EXPECT_EQ(refused(file), "editor.no_such_folder");
   EXPECT_EQ(refused((added / "none").string()), "editor.no_such_folder");
   EXPECT_EQ(refused(std::string("/tmp\0", 5)), "editor.zero_byte");

@@ -234,16 +234,13 @@ TEST_F(PartFiles, TellsWhichAxisStandsUp) {
   EXPECT_EQ(state()["up"], "y") << "most programs write it so";
 }
 
-TEST_F(PartFiles, StandsAModelUprightAgainstTheCustomOfItsFormat) {
+TEST_F(PartFiles, StandsAModelUprightAgainstTheConventionOfItsFormat) {
   Mesh bust = make_sample("bust", 20);
   bust.source.reset();
-  const Points z_up = bust.positions;
-  bust.positions.col(1) = z_up.col(2);
-  bust.positions.col(2) = -z_up.col(1);
-  write_mesh(bust, folder_ / "lying.stl");
-  page_.ask({{"do", "open"}, {"path", "lying.stl"}});
-  EXPECT_EQ(state()["up"], "y");
-  EXPECT_EQ(state()["front"], "z");
+  write_mesh(bust, folder_ / "z_up.obj");
+  page_.ask({{"do", "open"}, {"path", "z_up.obj"}});
+  EXPECT_EQ(state()["up"], "z");
+  EXPECT_EQ(state()["front"], "-y");
 }
 
 TEST_F(PartFiles, GuessesTheFrontFromTheShape) {

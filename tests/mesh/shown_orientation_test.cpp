@@ -43,7 +43,7 @@ TEST(ShownOrientation, IsThatWhichTheSourceStates) {
   EXPECT_EQ(shown_orientation(from(y_up, UpAxis::y, UpAxis::z)).up, Vector::UnitY());
 }
 
-TEST(ShownOrientation, FollowsTheCustomOfTheFormatWhereTheShapeDoesNotTell) {
+TEST(ShownOrientation, FollowsTheConventionOfTheFormatWhereTheShapeDoesNotTell) {
   const Mesh bar = make_sample("bar", 8);
   EXPECT_EQ(shown_orientation(from(bar, std::nullopt, UpAxis::y)).up, Vector::UnitY());
   EXPECT_EQ(shown_orientation(from(bar, std::nullopt, UpAxis::z)).up, Vector::UnitZ());

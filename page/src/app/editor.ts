@@ -474,7 +474,7 @@ export class Editor {
   private onEvent(event: EngineEvent): void {
     switch (event.event) {
       case "welcome":
-        this.folders.addRemembered(event); // before a model of such a folder is opened
+        this.folders.onWelcome(event); // before a model of such a folder is opened
         if (this.welcome.value === null) this.openAtStart(event.models);
         this.welcome.value = event;
         if (this.reopening !== undefined) void this.reopen(this.reopening.to);

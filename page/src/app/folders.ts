@@ -7,7 +7,7 @@ import type { Failure } from "./wording";
 
 type Welcome = Extract<EngineEvent, { event: "welcome" }>;
 
-/** Whole paths of the folders that were added in this browser. */
+/** Full paths of the folders that were added in this browser. */
 const added = remembered<string[]>("folders", []);
 
 /** The objects of the editor that folders use. */
@@ -33,8 +33,20 @@ export class Folders {
     return answer;
   }
 
+  isAdded(path: string): boolean {
+    return added.value.includes(path);
+  }
+
+  /** Takes an added folder off the list. The engine may use it until it ends. */
+  forget(path: string): void {
+    added.value = added.value.filter((one) => one !== path);
+    this.setFolders((folders) => folders.filter((one) => one !== path));
+    if (this.ofParts.value?.startsWith(path) === true) this.ofParts.value = null;
+  }
+
   /** Adds the folders of earlier sessions. Those that are not there now, such as on another disk, are left out. */
-  addRemembered({ folders }: Welcome): void {
+  onWelcome({ folders, models }: Welcome): void {
+    if (this.links.welcome.value === null && models.length > 0) this.ofParts.value = folders[0] ?? null;
     for (const path of added.value) if (!folders.includes(path)) void this.attempt(path);
   }
 
@@ -55,15 +67,19 @@ export class Folders {
   private async attempt(path: string): Promise<string | Failure> {
     const answer = await this.links.attempt({ do: "add-folder", path });
     if ("code" in answer) return answer;
-    const { welcome } = this.links;
-    if (welcome.value !== null) welcome.value = { ...welcome.value, folders: answer.folders ?? [] };
+    this.setFolders(() => answer.folders ?? []);
     return answer.folder ?? path;
+  }
+
+  private setFolders(change: (folders: readonly string[]) => string[]): void {
+    const { welcome } = this.links;
+    if (welcome.value !== null) welcome.value = { ...welcome.value, folders: change(welcome.value.folders) };
   }
 }
 
 /** Returns a name for a PLY file that none of the files has. */
 export function newName(stem: string, taken: ReadonlySet<string>): string {
-  const wanted = stem.replace(/[/\\\s]+/g, "_");
+  const wanted = stem.replace(/[/\\\s]+/g, "_").replace(/^\.+/, "") || "part";
   for (let k = 1; ; ++k) {
     const name = k === 1 ? `${wanted}.ply` : `${wanted}_${k}.ply`;
     if (!taken.has(name)) return name;

@@ -36,7 +36,7 @@ export function refusalOf(file: { name: string; size: number }): Told | undefine
     return {
       problem: `The file has ${formatBytes(file.size)}; the browser can send up to ${formatBytes(uploadLimit)}`,
       location: file.name,
-      remedy: "Start the editor in the folder of the file, and open it from there.",
+      remedy: "Add its folder under Folders, and open it there.",
     };
   if (file.size === 0) return { problem: "The file is empty", location: file.name, remedy: "" };
   if (file.name.toLowerCase().endsWith(".json"))

@@ -216,8 +216,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the file ${file} cannot be shown: its coordinates reach ${formatNumber(reach, 3)} and its size is ${formatNumber(size, 3)}`,
     remedy: `Scale it to sizes between ${formatNumber(low, 3)} and ${formatNumber(high, 3)}.`,
   }),
-  "editor.path_not_whole": () => ({
-    problem: "this is not the whole path of a folder",
+  "editor.path_not_full": () => ({
+    problem: "this is not the full path of a folder",
     remedy: "Begin at the root or at your home, such as /home/me/models or ~/models.",
   }),
   "editor.outside_folders": () => ({

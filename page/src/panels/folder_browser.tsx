@@ -4,6 +4,7 @@ import { compareNames, baseName, folderOf, joined } from "../app/paths";
 import { formatBytes } from "../app/units";
 import { AddFolder } from "./add_folder";
 import { Thumbnail } from "./graft/thumbnail";
+import { IconButton } from "./ui/button";
 import { Icon } from "./ui/icon";
 
 export interface Entry {
@@ -22,23 +23,21 @@ export interface Listing {
 
 /** Returns the content of a folder; undefined until the engine answers or if it cannot be read. */
 export function useListing(page: Page, folder: string | null): Listing | undefined {
-  const [listing, setListing] = useState<Listing | undefined>(undefined);
+  const [read, setRead] = useState<{ of: string | null; listing: Listing } | undefined>(undefined);
   useEffect(() => {
     let wanted = true;
     void page.editor.ask(folder === null ? { do: "list" } : { do: "list", folder }).then((outcome) => {
       if (!wanted || outcome === undefined) return;
       const files = (outcome.files ?? []).filter((file) => typeof file !== "string");
-      setListing({
-        folder: outcome.folder ?? null,
-        folders: [...(outcome.folders ?? [])].sort(compareNames),
-        files: files.sort((a, b) => compareNames(a.name, b.name)),
-      });
+      const folders = [...(outcome.folders ?? [])].sort(compareNames);
+      const listing = { folder: outcome.folder ?? null, folders, files: files.sort((a, b) => compareNames(a.name, b.name)) };
+      setRead({ of: folder, listing });
     });
     return () => {
       wanted = false;
     };
   }, [folder, page.editor.filesWritten.value]);
-  return listing;
+  return read?.of === folder ? read.listing : undefined;
 }
 
 interface BrowserProps {
@@ -63,7 +62,8 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
   useEffect(() => setSearch(""), [folder]);
   const allFiles = (listing?.files ?? []).filter((entry) => shows?.(entry) !== false);
   const isFound = (name: string) => name.toLowerCase().includes(search.trim().toLowerCase());
-  const folders = (listing?.folders ?? []).filter((name) => isFound(baseName(name)));
+  const allFolders = folder === null ? [...roots].sort(compareNames) : (listing?.folders ?? []);
+  const folders = allFolders.filter((name) => isFound(baseName(name)));
   const files = allFiles.filter(({ name }) => isFound(name));
   const isEmpty = listing !== undefined && folders.length === 0 && files.length === 0;
   return (
@@ -82,7 +82,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
           {folder === null ? "Folders" : shortened(folder)}
         </code>
       </div>
-      {(listing?.folders.length ?? 0) + allFiles.length > mostUnsearched && (
+      {allFolders.length + allFiles.length > mostUnsearched && (
         <input
           type="search"
           class="browser-search"
@@ -103,6 +103,14 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
               <Icon name="folder" size={16} />
               <span class="list-name">{folder === null ? name : baseName(name)}</span>
             </button>
+            {folder === null && page.editor.folders.isAdded(name) && (
+              <IconButton
+                label={`Forget ${name}`}
+                icon="close"
+                tip="Takes the folder off this list, now and in later sessions."
+                onClick={() => page.editor.folders.forget(name)}
+              />
+            )}
           </li>
         ))}
         {files.map((entry) => (
@@ -126,7 +134,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
         {isEmpty && (
           <li class="nothing">
             {folder === null
-              ? "There is no folder yet. Add that of your models."
+              ? "There is no folder yet. Add the folder of your models."
               : "No matching files here."}
           </li>
         )}

@@ -27,7 +27,7 @@ test("a folder is added by its path, and is there again with the next engine", a
   await type(join(other.path, "none"));
   await page.getByRole("alert").getByText(/^There is no such folder/).waitFor();
   await type("models");
-  await page.getByRole("alert").getByText(/^This is not the whole path/).waitFor();
+  await page.getByRole("alert").getByText(/^This is not the full path/).waitFor();
   await user.screenshot("folders-refused");
   await type(other.path);
   const list = page.getByRole("list", { name: "Files" });
@@ -40,6 +40,12 @@ test("a folder is added by its path, and is there again with the next engine", a
   await page.goto(harness.engine.url);
   await user.ready();
   await expect.poll(() => page.evaluate(() => window.meshgraft.editor.welcome.value?.folders)).toContain(other.path);
+  await page.getByRole("button", { name: "Up one folder" }).click();
+  await user.click(`Forget ${other.path}`);
+  await page.getByRole("list", { name: "Files" }).getByText(other.path).waitFor({ state: "detached" });
+  await page.reload();
+  await user.ready();
+  expect(await page.evaluate(() => localStorage.getItem("meshgraft folders"))).toBe("[]");
 }, 60_000);
 
 test("a half is saved as a part, and grafted from the library's folder", async () => {

@@ -200,7 +200,7 @@ describe("files", () => {
   test("what is too big, empty or no model is refused before it is sent", () => {
     expect(refusalOf({ name: "a.PLY", size: 10 })).toBeUndefined();
     expect(refusalOf({ name: "a.ply", size: uploadLimit })).toBeUndefined();
-    expect(refusalOf({ name: "a.ply", size: uploadLimit + 1 })?.remedy).toContain("in the folder of the file");
+    expect(refusalOf({ name: "a.ply", size: uploadLimit + 1 })?.remedy).toContain("Add its folder");
     expect(refusalOf({ name: "a.ply", size: 0 })?.problem).toContain("empty");
     expect(refusalOf({ name: "a.json", size: 10 })?.problem).toContain("edit file");
     expect(refusalOf({ name: "a.blend", size: 10 })?.remedy).toContain(".ply");

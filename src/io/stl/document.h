@@ -25,7 +25,8 @@ struct StlDocument : FileDocument {
   bool ascii = false;
 
   std::string_view format() const override { return "STL"; }
-  std::optional<UpAxis> stated_up_axis() const override { return std::nullopt; }
+  /// Printers and their programs take z.
+  std::optional<UpAxis> stated_up_axis() const override { return UpAxis::z; }
   UpAxis usual_up_axis() const override { return UpAxis::z; }
   std::vector<Note> beside_the_mesh() const override { return {}; }
 };

@@ -1,4 +1,4 @@
-import { useEffect, useRef } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import type { PartSource } from "../../app/graft/graft";
 import type { Pictured } from "../../app/library";
 import { forFingers } from "../../app/pointer_kind";
@@ -26,11 +26,9 @@ export function PartLibrary({ page }: { page: Page }) {
   const { value: welcome } = editor.welcome;
   const roots = welcome?.folders ?? [];
   const { ofParts } = editor.folders;
-  useEffect(() => {
-    if (ofParts.value === null && (welcome?.models.length ?? 0) > 0) ofParts.value = roots[0] ?? null;
-  }, []);
   const folder = ofParts.value;
-  const root = roots.find((one) => folder === one || folder?.startsWith(joined(one, "")));
+  const isIn = (root: string) => folder === root || folder?.startsWith(joined(root, "")) === true;
+  const root = roots.filter(isIn).sort((a, b) => b.length - a.length)[0];
   const input = useRef<HTMLInputElement>(null);
   return (
     <Section
@@ -49,7 +47,7 @@ export function PartLibrary({ page }: { page: Page }) {
           <option value="">Samples</option>
           {roots.map((root) => (
             <option key={root} value={root}>
-              {baseName(root)}
+              {baseName(root) || root}
             </option>
           ))}
         </select>
