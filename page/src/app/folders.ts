@@ -41,7 +41,7 @@ export class Folders {
   forget(path: string): void {
     added.value = added.value.filter((one) => one !== path);
     this.setFolders((folders) => folders.filter((one) => one !== path));
-    if (this.ofParts.value?.startsWith(path) === true) this.ofParts.value = null;
+    if (`${this.ofParts.value ?? ""}/`.startsWith(joined(path, ""))) this.ofParts.value = null;
   }
 
   /** Adds the folders of earlier sessions. Those that are not there now, such as on another disk, are left out. */
