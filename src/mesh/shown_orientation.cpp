@@ -8,8 +8,8 @@ namespace meshgraft {
 
 namespace {
 
-// Of 14 samples and scans with z up in a format whose convention is y, 10 are set upright; all 17 with y up
-// stay so.
+// This bound sets 10 of 14 samples and scans with z up upright in a format whose convention is y, and turns
+// none of 17 with y up.
 constexpr double clear_probability = 0.85;
 
 const Eigen::Vector3d& direction_of(UpAxis axis) {

@@ -207,7 +207,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
         choices={[
           { value: "above", label: plane === undefined ? "Inside" : "Above", help: aboveHelp(plane) },
           { value: "below", label: plane === undefined ? "Outside" : "Below" },
-          ...(divides ? [] : [{ value: "both", label: "Split, keep both" } as const]),
+          ...(divides ? [] : [{ value: "both", label: "Both", help: "Splits the mesh and keeps both sides." } as const]),
         ]}
         onChange={(keep) => change({ keep })}
       />

@@ -60,7 +60,7 @@ test("a split keeps two objects, and each is hidden, exported and made the model
   await page.getByRole("button", { name: "Steps" }).first().click();
   await page.getByText("1. Cut: bar, gives bar 2").waitFor();
   await page.getByText("1. Cut: bar, gives bar 2").click();
-  expect(await page.getByRole("radiogroup", { name: "Keep" }).innerText()).not.toContain("Split, keep both");
+  expect(await page.getByRole("radiogroup", { name: "Keep" }).innerText()).not.toContain("Both");
   await user.screenshot("cut-halves-steps");
   await user.press("Control+z");
   await user.press("Control+z");

@@ -184,7 +184,7 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
   expect(await leftmost()).toBeCloseTo(0.02, 4);
   await typed("Point X", "-0.1");
   expect(await leftmost()).toBeCloseTo(-0.1, 4);
-  await steps.getByText("Split, keep both", { exact: true }).click();
+  await steps.getByText("Both", { exact: true }).click();
   await user.settle();
   expect((await fields(1))["keep"]).toBe("both");
   expect(await leftmost()).toBeLessThan(-0.11);
