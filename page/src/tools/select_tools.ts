@@ -135,7 +135,8 @@ export class OutlineTool implements Tool {
     return {
       followsPath: !this.isBox,
       move: draw,
-      end: () => {
+      end: (at) => {
+        draw(at);
         show(this.outline, false);
         this.take(surface, screenPoints, how);
       },

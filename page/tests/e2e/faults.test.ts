@@ -206,7 +206,7 @@ test("a dropped file of 2 GB is refused at once, and nobody's memory grows", asy
   );
   expect(heap).toBeLessThan(200e6);
   await user.screenshot("faults-too-large");
-  expect(await page.getByRole("alert").textContent()).toMatch(/in the folder of the file/);
+  expect(await page.getByRole("alert").textContent()).toMatch(/Add its folder under Folders/);
   await user.click("Close the message");
   await harness.openSample("bar", 8);
 }, 120_000);

@@ -75,6 +75,7 @@ test("a lasso and a box take what is seen, or what lies behind, too", async () =
   await holdFrames(user); // as on a machine that draws slowly: the outline has the same shape
   const late = await selectedAfter(user, () => user.stroke([...around, around[0] as Point]));
   await releaseFrames(user);
+  await user.rests();
   expect(late).toEqual(seen);
   await user.press("Shift+A");
   await user.press("t");
