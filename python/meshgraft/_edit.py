@@ -167,13 +167,14 @@ class Edit:
         return self._add({"kind": "repair", "mesh": mesh, **_texts.without_none(**options)}, result, name, about)
 
     def sculpt(self, mesh: str, action: SculptAction, region: Any, *, strength: float | None = None,
-               height: float | None = None, symmetry: Any = None, result: str | None = None, name: str | None = None,
-               about: str | None = None) -> Self:
+               height: float | None = None, reach: float | None = None, symmetry: Any = None, result: str | None = None,
+               name: str | None = None, about: str | None = None) -> Self:
         """Adds a step that smooths, inflates or flattens a region. `strength`, from 0 to 1, is for "smooth" and "flatten",
-        `height`, of the middle in model units, for "inflate". With `symmetry`, as of `deform`, the mirror image of the
-        region is shaped, too."""
+        `height`, of the middle in model units, for "inflate". With `reach`, for "inflate" and "flatten", the surface
+        around the region follows within this length along edges (model units; 0: a hard edge); without it the movement
+        fades inside the region. With `symmetry`, as of `deform`, the mirror image of the region is shaped, too."""
         step = {"kind": "sculpt", "mesh": mesh, "action": action, "region": _texts.spec_of(region, "region", None),
-                **_texts.without_none(strength=strength, height=height,
+                **_texts.without_none(strength=strength, height=height, reach=reach,
                                       symmetry=None if symmetry is None else symmetry_spec(symmetry))}
         return self._add(step, result, name, about)
 

@@ -222,6 +222,12 @@ def test_repair_cut_and_quality(bar, ends):
     assert outcome.changes[0].kind == "filled-hole" and len(outcome.map) == len(bar) and not outcome.options.weld
     round_ = mg.Edit().input("bar", bar).sculpt("bar", "inflate", ends["top"], height=0.2).run()
     assert round_.report.steps[0].sculpt.action == "inflate" and round_.report.max_displacement > 0.1
+    wide = mg.Edit().input("bar", bar).sculpt("bar", "inflate", ends["top"], height=0.2, reach=0.8).run()
+    moved = [(result.mesh.vertices != bar.vertices).any(axis=1).sum() for result in (round_, wide)]
+    assert moved[1] > moved[0] > 0
+    for reach in (-0.1, float("nan"), "far"):
+        with pytest.raises((mg.InputError, ValueError, TypeError), match="reach"):
+            mg.Edit().input("bar", bar).sculpt("bar", "flatten", ends["top"], reach=reach).run()
     both = mg.Edit().input("bar", bar).sculpt("bar", "inflate", ends["top"], height=0.2,
                                               symmetry=((0, 0, np.ptp(bar.vertices[:, 2]) / 2), "z")).run()
     assert both.report.steps[0].sculpt.region == 2 * round_.report.steps[0].sculpt.region

@@ -22,19 +22,38 @@ namespace meshgraft {
 
 namespace {
 
-/// The region with the two rings around it, numbered anew.
+/// What moves, with the two rings around it, numbered anew.
 struct SculptPatch {
   std::vector<Index> vertex;  ///< numbers in the surface
   Points points;
   Triangles triangles;
   IndexLists rings;
-  std::vector<Index> unknown;  ///< per vertex: index among the moving vertices, or -1
-  std::vector<Index> moving;   ///< the moving vertices
+  std::vector<Index> unknown;       ///< per vertex: index among the moving vertices, or -1
+  std::vector<Index> moving;        ///< the moving vertices
+  std::vector<Index> held;          ///< vertices at an open boundary, which would move elsewhere
+  std::vector<double> from_region;  ///< with a reach: distances from the region along edges
 };
 
 void require_fraction(double strength) {
   if (!(strength >= 0 && strength <= 1))
     throw Error(facts::core::OutOfRange{.value = strength, .low = 0, .high = 1}, "strength");
+}
+
+void require_reach(double reach) {
+  if (!(reach >= 0 && std::isfinite(reach)))
+    throw Error(facts::core::NegativeOrNotFinite{.value = reach}, "reach");
+}
+
+// Returns each vertex's distance from the region along edges, infinity beyond the reach.
+std::vector<double> distance_from_region(const SculptedSurface& surface, double reach) {
+  const IndexLists rings = vertex_rings(static_cast<Index>(surface.points.rows()), surface.triangles);
+  return edge_distance(surface.region, surface.points, rings, {.limit = reach});
+}
+
+Flags flag_region(const SculptedSurface& surface) {
+  Flags is_meant(static_cast<std::size_t>(surface.points.rows()), 0);
+  for (const Index v : surface.region) is_meant[v] = 1;
+  return is_meant;
 }
 
 // Adds the corners of all triangles at the flagged vertices.
@@ -47,7 +66,7 @@ void add_ring(Flags& flags, const SculptedSurface& surface) {
   }
 }
 
-// Numbers the region's vertices that are not at an edge of one triangle.
+// Numbers the vertices that are meant to move and are not at an edge of one triangle.
 void number_moving(SculptPatch& patch, const Flags& is_meant) {
   Flags is_border(patch.vertex.size(), 0);
   const auto lists = vertex_triangles(static_cast<Index>(patch.vertex.size()), patch.triangles);
@@ -56,18 +75,27 @@ void number_moving(SculptPatch& patch, const Flags& is_meant) {
       for (const Index v : edge.ends) is_border[v] = 1;
   patch.unknown.assign(patch.vertex.size(), -1);
   for (std::size_t v = 0; v < patch.vertex.size(); ++v) {
-    if (is_meant[patch.vertex[v]] == 0 || is_border[v] != 0 || patch.rings[static_cast<Index>(v)].empty())
+    if (is_meant[patch.vertex[v]] == 0 || patch.rings[static_cast<Index>(v)].empty()) continue;
+    if (is_border[v] != 0) {
+      patch.held.push_back(static_cast<Index>(v));
       continue;
+    }
     patch.unknown[v] = static_cast<Index>(patch.moving.size());
     patch.moving.push_back(static_cast<Index>(v));
   }
 }
 
 // The edge of the patch lies beyond two rings, except where the surface itself ends.
-SculptPatch make_sculpt_patch(const SculptedSurface& surface, const Context& context) {
+SculptPatch make_sculpt_patch(const SculptedSurface& surface, std::optional<double> reach,
+                              const Context& context) {
   const auto count = static_cast<std::size_t>(surface.points.rows());
-  Flags is_meant(count, 0);
-  for (const Index v : surface.region) is_meant[v] = 1;
+  Flags is_meant = flag_region(surface);
+  std::vector<double> distance;
+  if (reach) {
+    distance = distance_from_region(surface, *reach);
+    for (std::size_t v = 0; v < count; ++v)
+      if (distance[v] < *reach) is_meant[v] = 1;
+  }
   Flags is_near = is_meant;
   add_ring(is_near, surface);
   add_ring(is_near, surface);
@@ -78,6 +106,7 @@ SculptPatch make_sculpt_patch(const SculptedSurface& surface, const Context& con
     if (is_near[v] == 0) continue;
     number[v] = static_cast<Index>(patch.vertex.size());
     patch.vertex.push_back(static_cast<Index>(v));
+    if (reach) patch.from_region.push_back(distance[v]);
   }
   std::vector<Index> chosen;
   for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
@@ -157,20 +186,23 @@ SparseRows columns_of_moving(const SparseRows& rows, const SculptPatch& patch) {
   return columns;
 }
 
-double area_of_moving(const SculptPatch& patch, const std::vector<double>& areas) {
+double area_of(const std::vector<Index>& vertices, const std::vector<double>& areas) {
   double sum = 0;
-  for (const Index v : patch.moving) sum += areas[v];
+  for (const Index v : vertices) sum += areas[v];
   return sum;
 }
 
 // Returns whether there are moving vertices, and faces with an area at them.
 bool has_area(const SculptPatch& patch) {
-  return area_of_moving(patch, vertex_areas(patch.points, patch.triangles)) > 0;
+  return area_of(patch.moving, vertex_areas(patch.points, patch.triangles)) > 0;
 }
+
+// Rises from 0 to 1, level at both ends.
+double smooth_step(double t) { return t * t * (3 - 2 * t); }
 
 // Returns a weight per vertex: 0 outside, rising smoothly with the distance from what stays, 1 at `share` of
 // the largest distance and beyond. 1 everywhere in components that move as a whole.
-std::vector<double> sculpt_profile(const SculptPatch& patch, double share) {
+std::vector<double> profile_within(const SculptPatch& patch, double share) {
   std::vector<Index> still;
   for (std::size_t v = 0; v < patch.unknown.size(); ++v)
     if (patch.unknown[v] < 0) still.push_back(static_cast<Index>(v));
@@ -181,19 +213,40 @@ std::vector<double> sculpt_profile(const SculptPatch& patch, double share) {
   std::vector<double> weights(depth.size(), 0);
   for (const Index v : patch.moving) {
     const double t = std::isfinite(depth[v]) ? std::min(1.0, depth[v] / (share * deepest)) : 1;
-    weights[v] = t * t * (3 - 2 * t);
+    weights[v] = smooth_step(t);
   }
   return weights;
 }
 
+// Returns a weight per vertex: 1 in the region, falling smoothly to 0 at the reach and at open boundaries.
+std::vector<double> profile_around(const SculptPatch& patch, double reach) {
+  const std::vector<double> from_boundary = edge_distance(patch.held, patch.points, patch.rings);
+  std::vector<double> weights(patch.vertex.size(), 0);
+  for (const Index v : patch.moving) {
+    const double distance = patch.from_region[v], room = from_boundary[v];
+    const double outward = distance > 0 ? 1 - distance / reach : 1, inward = room < reach ? room / reach : 1;
+    weights[v] = smooth_step(std::min(outward, inward));
+  }
+  return weights;
+}
+
+// Returns the vertices of the region that move.
+std::vector<Index> moving_of_region(const SculptPatch& patch, const SculptedSurface& surface) {
+  const Flags is_meant = flag_region(surface);
+  std::vector<Index> moving;
+  for (const Index v : patch.moving)
+    if (is_meant[patch.vertex[v]] != 0) moving.push_back(v);
+  return moving;
+}
+
 // Returns unit normals without the surface's detail: the vertex normals, diffused over a fraction of the
-// region's size, so that vertices of noise do not move across each other.
+// size of what moves, so that vertices of noise do not move across each other.
 Points broad_normals(const SculptPatch& patch, const Context& context) {
-  constexpr double reach = 0.15;  // chosen, × the square root of the region's area
+  constexpr double share = 0.15;  // chosen, × the square root of the area that moves
   const auto triangles = vertex_triangles(static_cast<Index>(patch.vertex.size()), patch.triangles);
   const Points normals = vertex_normals(patch.points, patch.triangles, triangles, context);
   const std::vector<double> areas = vertex_areas(patch.points, patch.triangles);
-  const double length = reach * std::sqrt(area_of_moving(patch, areas));
+  const double length = share * std::sqrt(area_of(patch.moving, areas));
   const double least = 1e-9 * *std::max_element(areas.begin(), areas.end());
   auto lower =
       NormalMatrix((length * length * dirichlet_matrix(patch.points, patch.triangles, patch.rings, context))
@@ -215,11 +268,11 @@ Points broad_normals(const SculptPatch& patch, const Context& context) {
 Points smooth_region(const SculptedSurface& surface, double strength, const Context& context) {
   require_fraction(strength);
   context.step("solve");
-  const SculptPatch patch = make_sculpt_patch(surface, context);
+  const SculptPatch patch = make_sculpt_patch(surface, {}, context);
   if (strength == 0 || !has_area(patch)) return surface.points;
   if (strength == 1 && moves_a_component(patch)) throw Error(facts::deform::SmoothedAway{}, "strength");
   const Bending bending = bending_of(patch, context);
-  const double length = std::sqrt(area_of_moving(patch, bending.areas)), wave = 2 * std::numbers::pi / length;
+  const double length = std::sqrt(area_of(patch.moving, bending.areas)), wave = 2 * std::numbers::pi / length;
   const double attachment = std::pow(wave / strength, 4) - std::pow(wave, 4);
   const SparseRows rows = columns_of_moving(bending.rows, patch), columns = transpose(rows, context);
   auto lower = NormalMatrix(multiply(columns, rows, context).triangularView<Eigen::Lower>());
@@ -238,28 +291,43 @@ Points smooth_region(const SculptedSurface& surface, double strength, const Cont
   return with_moved(surface, patch, moved);
 }
 
-Points inflate_region(const SculptedSurface& surface, double height, const Context& context) {
-  const SculptPatch patch = make_sculpt_patch(surface, context);
+std::vector<double> reach_weights(const SculptedSurface& surface, double reach) {
+  require_reach(reach);
+  const SculptPatch patch = make_sculpt_patch(surface, reach, {});
+  const std::vector<double> of_patch = profile_around(patch, reach);
+  std::vector<double> weights(static_cast<std::size_t>(surface.points.rows()), 0);
+  for (std::size_t v = 0; v < of_patch.size(); ++v) weights[patch.vertex[v]] = of_patch[v];
+  return weights;
+}
+
+Points inflate_region(const SculptedSurface& surface, double height, std::optional<double> reach,
+                      const Context& context) {
+  if (reach) require_reach(*reach);
+  const SculptPatch patch = make_sculpt_patch(surface, reach, context);
   if (!has_area(patch)) return surface.points;
-  const std::vector<double> weights = sculpt_profile(patch, 1);
+  const std::vector<double> weights = reach ? profile_around(patch, *reach) : profile_within(patch, 1);
   const Points normals = broad_normals(patch, context);
   Points moved = patch.points;
   for (const Index v : patch.moving) moved.row(v) += height * weights[v] * normals.row(v);
   return with_moved(surface, patch, moved);
 }
 
-Points flatten_region(const SculptedSurface& surface, double strength, const Context& context) {
+Points flatten_region(const SculptedSurface& surface, double strength, std::optional<double> reach,
+                      const Context& context) {
   require_fraction(strength);
-  const SculptPatch patch = make_sculpt_patch(surface, context);
-  if (!has_area(patch)) return surface.points;
+  if (reach) require_reach(*reach);
+  const SculptPatch patch = make_sculpt_patch(surface, reach, context);
+  const std::vector<double> areas = vertex_areas(patch.points, patch.triangles);
+  const std::vector<Index> flattened = reach ? moving_of_region(patch, surface) : patch.moving;
+  const double area = area_of(flattened, areas);
+  if (!(area > 0)) return surface.points;
   constexpr double share = 0.4;  // chosen: the middle is flat, and a rim leads over to the surface around it
-  const std::vector<double> weights = sculpt_profile(patch, share),
-                            areas = vertex_areas(patch.points, patch.triangles);
+  const std::vector<double> weights = reach ? profile_around(patch, *reach) : profile_within(patch, share);
   Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
-  for (const Index v : patch.moving) centre += areas[v] * patch.points.row(v);
-  centre /= area_of_moving(patch, areas);
+  for (const Index v : flattened) centre += areas[v] * patch.points.row(v);
+  centre /= area;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const Index v : patch.moving) {
+  for (const Index v : flattened) {
     const Eigen::RowVector3d arm = patch.points.row(v) - centre;
     spread += areas[v] * arm.transpose() * arm;
   }

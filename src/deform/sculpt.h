@@ -1,6 +1,8 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/mesh/mesh.h>
@@ -23,13 +25,23 @@ struct SculptedSurface {
 /// component would move with s = 1, because nothing would give it a shape; Error(cancelled).
 Points smooth_region(const SculptedSurface& surface, double strength, const Context& context = {});
 
+/// Returns how much of the movement of a region each vertex makes, 0 to 1 (n): 1 in the region, and less with
+/// the distance from it along edges (model units), down to 0 at the reach and beyond. It falls to 0 towards an
+/// open boundary, too. A reach of 0 gives the region a hard edge. Throws Error(input) for a reach below 0 or
+/// not finite.
+std::vector<double> reach_weights(const SculptedSurface& surface, double reach);
+
 /// Moves the region along its normals, without those of its detail: by `height` (model units, negative: inward)
 /// where it is farthest from its boundary, and less towards it, so that the tangent planes around it are kept.
+/// With a reach, the whole region moves by `height`, and the surface around it by its `reach_weights`.
 /// Returns the new positions (n×3).
-Points inflate_region(const SculptedSurface& surface, double height, const Context& context = {});
+Points inflate_region(const SculptedSurface& surface, double height, std::optional<double> reach = {},
+                      const Context& context = {});
 
 /// Moves the region towards the plane that fits it best, by the fraction `strength` of the distance, and less
-/// near its boundary. Returns the new positions (n×3). Throws Error(input) for a strength outside 0 … 1.
-Points flatten_region(const SculptedSurface& surface, double strength, const Context& context = {});
+/// near its boundary. With a reach, the whole region moves by that fraction, and the surface around it by its
+/// `reach_weights`. Returns the new positions (n×3). Throws Error(input) for a strength outside 0 … 1.
+Points flatten_region(const SculptedSurface& surface, double strength, std::optional<double> reach = {},
+                      const Context& context = {});
 
 }  // namespace meshgraft

@@ -91,13 +91,13 @@ Json Worker::step(const json::Value& message, const Context& context) {
 
 // With symmetry, the step shapes the mirror image of the region, too.
 Json Worker::sculpt(const json::Value& message, const Context& context) {
-  const json::Object fields(message, {"id", "do", "action", "select", "strength", "height"});
+  const json::Object fields(message, {"id", "do", "action", "select", "strength", "height", "reach"});
   const EditFile& edit = open_one().document().edit;
   require_no_graft(edit, "sculpt");
   const std::shared_ptr<const Object> base = open_one().stage().model;
   Json document = open_one().document().json;
   Json step = {{"kind", "sculpt"}, {"mesh", base->name}, {"region", selection_or(fields, base->name)}};
-  for (const char* field : {"action", "strength", "height"})
+  for (const char* field : {"action", "strength", "height", "reach"})
     fields.optional(field, [&](const json::Value& v) { step[field] = v.raw(); });
   if (const DeformStep* deform = deform_in_work(edit); deform != nullptr && deform->symmetry)
     step["symmetry"] = document["steps"].back()["symmetry"];

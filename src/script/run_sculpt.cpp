@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
+#include <meshgraft/mesh/topology.h>
 #include <meshgraft/select/selection.h>
 
 #include "core/stopwatch.h"
@@ -22,10 +24,54 @@ namespace {
 Points sculpted(const SculptStep& step, const SculptedSurface& surface, const Context& context) {
   switch (step.action) {
     case SculptAction::smooth: return smooth_region(surface, step.strength, context);
-    case SculptAction::inflate: return inflate_region(surface, step.height, context);
-    case SculptAction::flatten: return flatten_region(surface, step.strength, context);
+    case SculptAction::inflate: return inflate_region(surface, step.height, step.reach, context);
+    case SculptAction::flatten: return flatten_region(surface, step.strength, step.reach, context);
   }
   return surface.points;
+}
+
+// Returns the vertices of a region, and those within the step's reach of it, ascending.
+std::vector<Index> with_reach(const SculptStep& step, const SculptedSurface& surface) {
+  std::vector<Index> vertices(surface.region.begin(), surface.region.end());
+  if (!step.reach || vertices.empty()) return vertices;
+  const IndexLists rings = vertex_rings(static_cast<Index>(surface.points.rows()), surface.triangles);
+  const std::vector<double> distance =
+      edge_distance(surface.region, surface.points, rings, {.limit = *step.reach});
+  vertices.clear();
+  for (std::size_t v = 0; v < distance.size(); ++v)
+    if (std::isfinite(distance[v])) vertices.push_back(static_cast<Index>(v));
+  return vertices;
+}
+
+/// A region and its mirror image, and what moves with each.
+struct BothSides {
+  SculptedSurface own, image;
+  std::vector<Index> with_own, with_image;
+};
+
+// Shapes both sides from the same positions, so that they agree. Where both reaches meet, the two movements mix
+// by their weights.
+Points sculpted(const SculptStep& step, const BothSides& sides, const Context& context) {
+  Points moved = sculpted(step, sides.own, context);
+  if (sides.with_image.empty()) return moved;
+  const Points other = sculpted(step, sides.image, context);
+  std::vector<Index> shared;
+  std::set_intersection(sides.with_own.begin(), sides.with_own.end(), sides.with_image.begin(),
+                        sides.with_image.end(), std::back_inserter(shared));
+  const Points first = moved;
+  for (const Index v : sides.with_image) moved.row(v) = other.row(v);
+  if (shared.empty()) return moved;
+  const std::vector<double> one = reach_weights(sides.own, step.reach.value()),
+                            two = reach_weights(sides.image, step.reach.value());
+  for (const Index v : shared) {
+    const double a = one[v], b = two[v], sum = a + b - 2 * a * b;
+    const Eigen::RowVector3d rest = sides.own.points.row(v);
+    const Eigen::RowVector3d by = first.row(v) - rest, by_other = other.row(v) - rest;
+    const double share = sum > 0 ? (1 - b) * (a + b - a * b) / sum : 0.5,
+                 other_share = sum > 0 ? (1 - a) * (a + b - a * b) / sum : 0.5;
+    moved.row(v) = rest + share * by + other_share * by_other;
+  }
+  return moved;
 }
 
 // Returns the vertices at one position that the step moves as one. Vertices at a cut stay apart.
@@ -60,21 +106,20 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
         SymmetryReport{.reflection = regions.reflection, .without_partner = regions.without_partner};
     if (regions.note) report.notes.push_back(*regions.note);
   }
+  const Triangles triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
+  BothSides sides{{mesh.positions, triangles, regions.own}, {mesh.positions, triangles, regions.image}, {}, {}};
+  sides.with_own = with_reach(step, sides.own);
+  sides.with_image = with_reach(step, sides.image);
   std::vector<Index> region;
-  std::set_union(regions.own.begin(), regions.own.end(), regions.image.begin(), regions.image.end(),
+  std::set_union(sides.with_own.begin(), sides.with_own.end(), sides.with_image.begin(), sides.with_image.end(),
                  std::back_inserter(region));
-  constexpr int read_rings = 2;  // around the region
+  constexpr int read_rings = 2;  // around what moves
   const std::vector<Index> read = grow_rings(region, read_rings, selections.rings);
   require_sound(state.diagnostics, mesh, {.vertices = read, .name = state.label});
   report.seconds.select = watch.lap();
-  const Triangles triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   Points moved;
   try {
-    moved = sculpted(step, {mesh.positions, triangles, regions.own}, context);
-    if (!regions.image.empty()) {  // from the same positions, so that both sides agree
-      const Points other = sculpted(step, {mesh.positions, triangles, regions.image}, context);
-      for (const Index v : regions.image) moved.row(v) = other.row(v);
-    }
+    moved = sculpted(step, sides, context);
     for (const Index v : region)
       if (!moved.row(v).allFinite()) throw Error(facts::deform::SolutionNotFinite{.vertex = v});
   } catch (const Error& error) {
@@ -83,7 +128,7 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   }
   const Points before = std::exchange(mesh.positions, std::move(moved));
   update_normals(mesh, before);
-  report.sculpt = SculptOutcome{step.action, static_cast<Index>(region.size()),
+  report.sculpt = SculptOutcome{step.action, static_cast<Index>(regions.own.size() + regions.image.size()),
                                 largest_displacement(before, mesh.positions)};
   if (joined) unweld(*joined, weld, state.mesh);
   report.seconds.solve = watch.lap();

@@ -332,6 +332,7 @@ Json step_json(const EditStep& edit_step, const SculptStep& step) {
     json["height"] = step.height;
   else
     json["strength"] = step.strength;
+  if (step.reach) json["reach"] = *step.reach;
   if (step.symmetry) json["symmetry"] = symmetry_json(*step.symmetry);
   return json;
 }

@@ -1,6 +1,9 @@
 #include "deform/sculpt.h"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -8,7 +11,9 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/topology.h>
 
+#include "core/facts.h"
 #include "deform/facts.h"
 #include "support/mesh_families.h"
 
@@ -124,6 +129,90 @@ TEST(Sculpt, FlatteningMakesTheMiddleFlat) {
   EXPECT_LT((2 * half - flat - ball.positions).norm(), 1e-9);
 }
 
+/// A region of a sphere, with each vertex's distance from it along edges.
+struct Fading {
+  test::TestMesh ball = test::icosphere(4);
+  std::vector<Index> region = where(ball, [](const Vector3d& p) { return p.z() > 0.9; });
+  std::vector<double> distance =
+      edge_distance(region, ball.positions, vertex_rings(ball.size(), ball.triangles));
+  SculptedSurface surface() const { return {ball.positions, ball.triangles, region}; }
+  Index moved(const Points& points) const {
+    Index count = 0;
+    for (Index v = 0; v < ball.size(); ++v) count += points.row(v) != ball.positions.row(v) ? 1 : 0;
+    return count;
+  }
+};
+
+TEST(Sculpt, FadesOutOverItsReach) {
+  const Fading cap;
+  Index last = 0;
+  for (const double reach : {0.0, 0.2, 0.4, 0.8}) {
+    const std::vector<double> weights = reach_weights(cap.surface(), reach);
+    const Points raised = inflate_region(cap.surface(), 0.1, reach),
+                 flat = flatten_region(cap.surface(), 1, reach);
+    for (Index v = 0; v < cap.ball.size(); ++v) {
+      if (cap.distance[v] == 0) EXPECT_EQ(weights[v], 1) << "the whole region moves";
+      if (cap.distance[v] > 0 && cap.distance[v] >= reach) {
+        EXPECT_EQ(weights[v], 0);
+        EXPECT_EQ(raised.row(v), cap.ball.positions.row(v)) << reach;
+        EXPECT_EQ(flat.row(v), cap.ball.positions.row(v)) << reach;
+      }
+      EXPECT_NEAR((raised.row(v) - cap.ball.positions.row(v)).norm(), 0.1 * weights[v], 1e-9);
+      for (Index w = 0; w < cap.ball.size(); ++w)
+        if (cap.distance[w] > cap.distance[v])
+          EXPECT_LE(weights[w], weights[v]) << "it falls with the distance";
+    }
+    EXPECT_GT(cap.moved(raised), last) << "a larger reach moves more";
+    last = cap.moved(raised);
+  }
+  EXPECT_EQ(cap.moved(inflate_region(cap.surface(), 0.1, 0.0)), static_cast<Index>(cap.region.size()));
+}
+
+// The plane is that of the region, whatever its reach.
+TEST(Sculpt, FlattensTheWholeRegionWithAReach) {
+  const Fading cap;
+  const Points hard = flatten_region(cap.surface(), 1, 0), soft = flatten_region(cap.surface(), 1, 0.5);
+  double low = 2, high = -2;
+  for (const Index v : cap.region) {
+    EXPECT_EQ(soft.row(v), hard.row(v));
+    low = std::min(low, soft(v, 2));
+    high = std::max(high, soft(v, 2));
+  }
+  EXPECT_LT(high - low, 1e-9);
+}
+
+TEST(Sculpt, FadesTowardsAnOpenBoundary) {
+  const test::TestMesh sheet = test::grid(16, 16);
+  const Vector3d low = sheet.positions.colwise().minCoeff(), high = sheet.positions.colwise().maxCoeff();
+  const double size = (high - low).x();
+  const std::vector<Index> half = where(sheet, [&](const Vector3d& p) { return p.x() < low.x() + 0.5 * size; });
+  const SculptedSurface surface{sheet.positions, sheet.triangles, half};
+  const std::vector<double> weights = reach_weights(surface, 0.3 * size);
+  for (Index v = 0; v < sheet.size(); ++v) {
+    const Vector3d p = sheet.positions.row(v);
+    const double room = std::min({p.x() - low.x(), high.x() - p.x(), p.y() - low.y(), high.y() - p.y()});
+    if (room <= 0) EXPECT_EQ(weights[v], 0);
+    if (room > 0.31 * size && p.x() < low.x() + 0.5 * size) EXPECT_EQ(weights[v], 1);
+    if (room > 0 && room < 0.1 * size) EXPECT_LT(weights[v], 0.5);
+  }
+}
+
+TEST(Sculpt, RefusesAReachThatIsNone) {
+  const Fading cap;
+  for (const double reach : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    for (const auto& shape : {std::function([&] { inflate_region(cap.surface(), 0.1, reach); }),
+                              std::function([&] { flatten_region(cap.surface(), 0.5, reach); })}) {
+      try {
+        shape();
+        FAIL() << reach;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.location().text(), "reach");
+        EXPECT_EQ(error.id(), facts::core::NegativeOrNotFinite::id);
+      }
+    }
+  }
+}
+
 TEST(Sculpt, FollowsSimilarities) {
   const Eigen::Affine3d map = Eigen::Translation3d(5, -3, 2) *
                               Eigen::AngleAxisd(0.8, Vector3d(1, 2, 2).normalized()) * Eigen::Scaling(3.0);
@@ -137,6 +226,8 @@ TEST(Sculpt, FollowsSimilarities) {
   EXPECT_LT((mapped(smooth_region(here, 0.4)) - smooth_region(there, 0.4)).norm(), 1e-7);
   EXPECT_LT((mapped(inflate_region(here, 0.1)) - inflate_region(there, 0.3)).norm(), 1e-7);
   EXPECT_LT((mapped(flatten_region(here, 0.7)) - flatten_region(there, 0.7)).norm(), 1e-7);
+  EXPECT_LT((mapped(inflate_region(here, 0.1, 0.3)) - inflate_region(there, 0.3, 0.9)).norm(), 1e-7);
+  EXPECT_LT((mapped(flatten_region(here, 0.7, 0.3)) - flatten_region(there, 0.7, 0.9)).norm(), 1e-7);
 }
 
 TEST(Sculpt, LeavesTheOpenBoundaryWhereItIs) {

@@ -77,6 +77,7 @@ void ask_all_of_printing(Page& page) {
   page.ask({{"do", "print-check"}});
   page.ask({{"do", "transform"}, {"pose", {{"scale", 2}}}});
   page.ask({{"do", "sculpt"}, {"action", "smooth"}, {"select", "all"}, {"strength", 0.2}});
+  page.ask({{"do", "sculpt"}, {"action", "flatten"}, {"select", {{"nearest", {0, 0, 0}}}}, {"reach", 0.5}});
 }
 
 void ask_all_of_grafting(Page& page) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <meshgraft/io/mesh_io.h>
+#include <meshgraft/samples/samples.h>
 #include <meshgraft/script/run_edit.h>
 
 #include "io/file.h"
@@ -131,6 +132,31 @@ TEST(EditorSculpt, SaysWhereNothingMoved) {
   EXPECT_LT(state(page)["steps"][0]["found"]["moved"].get<double>(), 1e-9);
   page.ask({{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.1}});
   EXPECT_GT(state(page)["steps"][1]["found"]["moved"].get<double>(), 0.01);
+}
+
+TEST(EditorSculpt, ChangesTheReach) {
+  const TemporaryFolder folder;
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  page.ask(open_a_bar);
+  const auto raised = [&] {
+    const std::filesystem::path mesh = folder / "saved.ply";
+    page.ask({{"do", "save"}, {"mesh", mesh.string()}, {"overwrite", true}});
+    const Points moved = read_mesh(mesh).positions - make_sample("bar", 20).positions;
+    return (moved.rowwise().norm().array() > 1e-6).count();
+  };
+  const Json region = {{"nearest", {0.5, 0, 2}}};
+  page.ask({{"do", "sculpt"}, {"action", "inflate"}, {"height", 0.1}, {"select", region}, {"reach", 0.3}});
+  const auto near = raised();
+  EXPECT_GT(near, 1);
+  const auto change = [](const Json& reach) {
+    return Json{{"do", "step"}, {"what", "change"}, {"index", 0}, {"fields", {{"reach", reach}}}};
+  };
+  page.ask(change(0.6));
+  EXPECT_GT(raised(), near);
+  page.ask(change(nullptr));
+  EXPECT_EQ(raised(), 1) << "it fades inside again";
+  EXPECT_EQ(page.refusal(change(-1))["location"], "reach");
 }
 
 TEST(EditorSymmetry, MovesTheTwinWhileItIsDragged) {

@@ -54,6 +54,54 @@ TEST_F(SculptStepTest, DoesWhatTheFunctionsDo) {
   EXPECT_EQ(run(R"("action": "smooth", "region": "cap", "strength": 1)"), smooth_region(surface, 1));
   EXPECT_EQ(run(R"("action": "inflate", "region": "cap", "height": -0.2)"), inflate_region(surface, -0.2));
   EXPECT_EQ(run(R"("action": "flatten", "region": "cap", "strength": 0.7)"), flatten_region(surface, 0.7));
+  EXPECT_EQ(run(R"("action": "inflate", "region": "cap", "height": 0.2, "reach": 0.4)"),
+            inflate_region(surface, 0.2, 0.4));
+  EXPECT_EQ(run(R"("action": "flatten", "region": "cap", "reach": 0)"), flatten_region(surface, 0.5, 0));
+}
+
+TEST_F(SculptStepTest, RefusesAReachByItsName) {
+  for (const char* fields : {R"("action": "flatten", "region": "cap", "reach": -0.1)",
+                             R"("action": "flatten", "region": "cap", "reach": "0.1")",
+                             R"("action": "flatten", "region": "cap", "reach": {"length": 0.1})",
+                             R"("action": "inflate", "region": "cap", "height": 1, "reach": null)",
+                             R"("action": "smooth", "region": "cap", "reach": 0.1)"}) {
+    try {
+      edit(fields);
+      ADD_FAILURE() << fields;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.location().text(), "edit.json: steps[0].reach") << fields;
+    }
+  }
+  EXPECT_THROW(edit(R"("action": "flatten", "region": "cap", "reach": NaN)"), Error) << "no JSON";
+}
+
+// The two sides fade out towards each other. Their mix is symmetric, and no higher than one side.
+TEST_F(SculptStepTest, MixesReachesThatMeet) {
+  const test::TestMesh ball = test::icosphere(3);
+  put(make_mesh(ball.positions, ball.triangles));
+  const std::string symmetry = R"("symmetry": {"point": [0, 0, 0], "normal": [0, 0, 1]})";
+  for (const char* action :
+       {R"("action": "flatten", "strength": 1)", R"("action": "inflate", "height": 0.2)"}) {
+    const std::string fields = action + std::string(R"(, "region": "cap", "reach": 0.9)");
+    const Points one = run_edit(edit(fields)).mesh.positions,
+                 both = run_edit(edit(fields + ", " + symmetry)).mesh.positions;
+    double largest = 0, changed = 0;
+    for (Index v = 0; v < both.rows(); ++v) {
+      const Eigen::RowVector3d at = ball.positions.row(v);
+      if (at.z() >= 0.5) EXPECT_LT((both.row(v) - one.row(v)).norm(), 1e-9) << "the region moves as alone";
+      largest = std::max(largest, (both.row(v) - at).norm());
+      if (at.z() > 0) changed = std::max(changed, (both.row(v) - one.row(v)).norm());
+      Index image = 0;
+      (ball.positions.rowwise() - Eigen::RowVector3d(at.x(), at.y(), -at.z()))
+          .rowwise()
+          .norm()
+          .minCoeff(&image);
+      EXPECT_LT((both.row(v) - Eigen::RowVector3d(both(image, 0), both(image, 1), -both(image, 2))).norm(),
+                1e-6);
+    }
+    EXPECT_GT(changed, 0.001) << action << ": the reaches meet";
+    EXPECT_LE(largest, (one - ball.positions).rowwise().norm().maxCoeff() + 1e-9) << action;
+  }
 }
 
 // Faces with vertices of their own, as in STL files, stay together.
@@ -211,7 +259,8 @@ TEST_F(SculptStepTest, RefusesANonFiniteVertexBesideTheRegion) {
   ASSERT_NE(beside, around.end());
   given.positions(*beside, 0) = std::nan("");
   put(given);
-  for (const char* action : {R"("smooth")", R"("flatten")", R"("inflate", "height": 0.1)"})
+  for (const char* action :
+       {R"("smooth")", R"("flatten")", R"("inflate", "height": 0.1)", R"("flatten", "reach": 0.3)"})
     EXPECT_THROW(run_edit(edit(R"("region": "cap", "action": )" + std::string(action))), Error) << action;
 }
 

@@ -283,9 +283,11 @@ struct SculptStep {
   std::string mesh;
   std::string result;  ///< name of the resulting mesh; empty = the same name
   SculptAction action = SculptAction::smooth;
-  EditSelection region;                  ///< vertices that may move; those at an open boundary stay
-  double strength = 0.5;                 ///< for `smooth` and `flatten`, 0 to 1
-  double height = 0;                     ///< for `inflate`: of the middle, model units; negative: inward
+  EditSelection region;         ///< vertices that are shaped; those at an open boundary stay
+  double strength = 0.5;        ///< for `smooth` and `flatten`, 0 to 1
+  double height = 0;            ///< for `inflate`: of the middle, model units; negative: inward
+  std::optional<double> reach;  ///< for `inflate` and `flatten`: how far around the region the surface follows,
+                                ///< along edges, model units; without it the movement fades inside the region
   std::optional<SymmetrySpec> symmetry;  ///< the mirror image of the region is shaped, too
 };
 

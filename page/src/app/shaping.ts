@@ -17,6 +17,11 @@ export function inflatedHeight({ selection, positions }: Selected, strength: num
   return highest * strength * Math.max(size, leastSize * (sizeOf(positions, () => true) ?? 0));
 }
 
+/** Returns the reach with which a step begins that fades out around its region, model units. */
+export function usualReach(diagonal: number): number {
+  return Number((0.05 * diagonal).toPrecision(2));
+}
+
 /** Returns the diagonal of the box around these vertices; undefined if there are none. */
 function sizeOf(positions: Float32Array, includes: (vertex: number) => boolean): number | undefined {
   const low = [Infinity, Infinity, Infinity];

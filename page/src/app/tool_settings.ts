@@ -40,6 +40,8 @@ export class ToolSettings {
   readonly measured = signal<number | null>(null);
   /** How strongly a selection is smoothed, flattened or inflated, up to 1. */
   readonly shapeStrength = signal(0.5);
+  /** How far around a selection flattening and inflating fade out, model units; null: inside the selection. */
+  readonly shapeReach = signal<number | null>(null);
   readonly movesPivot = signal(false); // a drag of the gizmo moves only the pivot
   readonly gizmoSpace = signal<"local" | "world">("local");
   readonly snap = signal(false);

@@ -5,6 +5,7 @@ import { scalingPose } from "../app/placing";
 import { counted } from "../app/units";
 import { CommandButton, CommandLabelButton } from "./command_button";
 import { inflatedHeight } from "../app/shaping";
+import { FadeFields } from "./fade_fields";
 import { Button } from "./ui/button";
 import { NumberField, Segments, Slider } from "./ui/fields";
 
@@ -163,19 +164,20 @@ function SelectionLine({ page, selected }: { page: Page; selected: number }) {
 /** Shapes what is selected, each time as a step. */
 function ShapeLine({ page }: { page: Page }) {
   const { editor, viewport } = page;
-  const { shapeStrength } = editor.tools;
+  const { shapeStrength, shapeReach } = editor.tools;
   const canShape = editor.mending.canMend.value; // no graft is open
   const strength = shapeStrength.value;
-  const shape = (action: "smooth" | "flatten") => void editor.shape({ do: "sculpt", action, strength });
+  const reach = shapeReach.value;
+  const fading = reach === null ? {} : { reach };
   const inflate = (sign: 1 | -1) => {
     const surface = viewport.main;
     if (surface === undefined) return;
-    void editor.shape({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength) });
+    void editor.shape({ do: "sculpt", action: "inflate", height: sign * inflatedHeight(surface, strength), ...fading });
   };
   return (
     <div class="tool-line shape-line" role="toolbar" aria-label="Shape">
-      <Button label="Smooth" disabled={!canShape} tip="Removes detail; keeps how the surface around meets it." onClick={() => shape("smooth")} />
-      <Button label="Flatten" disabled={!canShape} tip="Moves it towards its plane." onClick={() => shape("flatten")} />
+      <Button label="Smooth" disabled={!canShape} tip="Removes detail; keeps how the surface around meets it." onClick={() => void editor.shape({ do: "sculpt", action: "smooth", strength })} />
+      <Button label="Flatten" disabled={!canShape} tip="Moves it towards its plane." onClick={() => void editor.shape({ do: "sculpt", action: "flatten", strength, ...fading })} />
       <Button label="Inflate" disabled={!canShape} tip="Raises its middle." onClick={() => inflate(1)} />
       <Button label="Dent" disabled={!canShape} tip="Lowers its middle." onClick={() => inflate(-1)} />
       <Slider
@@ -187,6 +189,12 @@ function ShapeLine({ page }: { page: Page }) {
         value={strength}
         help="How much each of these does. It can be changed later, under Steps."
         onChange={(to) => (shapeStrength.value = to)}
+      />
+      <FadeFields
+        reach={reach}
+        unit={editor.view.unit.value}
+        diagonal={editor.state.value?.model.diagonal ?? 1}
+        onChange={(to) => (shapeReach.value = to)}
       />
     </div>
   );

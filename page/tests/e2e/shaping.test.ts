@@ -1,5 +1,5 @@
 import { afterEach, expect, test } from "vitest";
-import { EditorHarness } from "./harness";
+import { EditorHarness, theme } from "./harness";
 
 let harness: EditorHarness | undefined;
 afterEach(async () => {
@@ -76,5 +76,55 @@ test("what is shaped on one side is shaped on the other with symmetry, and what 
   await user.press("Control+z");
   await user.settle();
   expect(widthOf(await harness.savedPositions(), -1)).toBeCloseTo(widthOf(before, -1), 6);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("the surface around what is shaped follows within a reach, which the step keeps", async () => {
+  harness = await EditorHarness.open();
+  await harness.openSample("bar", 20);
+  const { user } = harness;
+  const { page } = user;
+  const before = await harness.savedPositions();
+  const moved = async () => {
+    const after = await harness!.savedPositions();
+    return before.filter((_, at) => at % 3 === 0 && Math.hypot(...[0, 1, 2].map((k) => after[at + k]! - before[at + k]!)) > 1e-6).length;
+  };
+  await page.evaluate(async () => {
+    const sphere = { centre: [0.5, 0, 2] as [number, number, number], radius: 0.3 };
+    await window.meshgraft.editor.ask({ do: "select", how: "set", what: { sphere } });
+  });
+  const line = page.getByRole("toolbar", { name: "Shape" });
+  await line.getByRole("button", { name: "Inflate" }).click();
+  await user.rests();
+  const inside = await moved();
+  await user.press("Control+z");
+  await user.rests();
+  await line.getByText("Around").click();
+  const reach = line.getByRole("textbox", { name: "Reach" });
+  await reach.fill("0.4");
+  await reach.press("Enter");
+  await line.getByRole("button", { name: "Inflate" }).click();
+  await user.rests();
+  await user.screenshot(`shaping-around-${theme}`);
+  const around = await moved();
+  expect(around).toBeGreaterThan(inside);
+
+  await page.getByRole("button", { name: "Steps", exact: false }).first().click();
+  await page.getByRole("button", { name: "1. Shape" }).first().click();
+  const details = page.getByRole("list", { name: "Steps" });
+  const later = details.getByRole("textbox", { name: "Reach" });
+  expect(await later.inputValue()).toBe("0.4");
+  await later.fill("0.8");
+  await later.press("Enter");
+  await user.rests();
+  await user.screenshot(`shaping-reach-${theme}`);
+  expect(await moved()).toBeGreaterThan(around);
+  await later.fill("-1");
+  await later.press("Enter");
+  await page.getByText("Enter a number of at least 0.").waitFor();
+  await later.press("Escape");
+  await details.getByText("Inside").click();
+  await user.rests();
+  expect(await moved()).toBe(inside);
   expect(user.complaints).toEqual([]);
 }, 120_000);

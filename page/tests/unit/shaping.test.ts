@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { inflatedHeight } from "../../src/app/shaping";
+import { inflatedHeight, usualReach } from "../../src/app/shaping";
 
 test("a selection is inflated by a part of its size", () => {
   const surface = { selection: Uint8Array.of(255, 0, 255), positions: Float32Array.of(0, 0, 0, 9, 9, 9, 3, 4, 0) };
@@ -9,4 +9,9 @@ test("a selection is inflated by a part of its size", () => {
   const ofOneVertex = inflatedHeight({ ...surface, selection: Uint8Array.of(0, 255, 0) }, 1);
   expect(ofOneVertex).toBeGreaterThan(0);
   expect(ofOneVertex).toBeLessThan(0.1);
+});
+
+test("a reach begins at a twentieth of the model, in a short number", () => {
+  expect(usualReach(4.3333)).toBe(0.22);
+  expect(usualReach(871)).toBe(44);
 });
