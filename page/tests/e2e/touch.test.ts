@@ -2,6 +2,7 @@
 import type { CDPSession } from "playwright-core";
 import { afterEach, expect, test } from "vitest";
 import { cutOff } from "./cut_off";
+import { grafted } from "./grafting";
 import { aimAt, farthest, openFresh, sampled, selectedIn } from "./grips";
 import { EditorHarness, type Point, theme, type User } from "./harness";
 
@@ -193,3 +194,62 @@ test("a finger scrolls the part library, and drags a part sideways onto the surf
   await user.screenshot(`touch-dropped-${theme}`);
   expect(user.complaints).toEqual([]);
 }, 60_000);
+
+test("a finger changes the height and the tilt of a closed part's base once it is lifted", async () => {
+  harness = await EditorHarness.open({ touch: true, size: { width: 1180, height: 820 } });
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("bar", 20);
+  await page.getByRole("tab", { name: "Graft" }).tap();
+  await user.rests();
+  const hand = await page.context().newCDPSession(page);
+  const touch = (type: "touchStart" | "touchMove" | "touchEnd", points: readonly Point[]) =>
+    hand.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y]) => ({ x, y })) });
+  const swipe = async ([x, y]: Point, [dx, dy]: Point, meanwhile = () => Promise.resolve()) => {
+    await touch("touchStart", [[x, y]]);
+    for (let k = 1; k <= 10; ++k) await touch("touchMove", [[x + (k / 10) * dx, y + (k / 10) * dy]]);
+    await meanwhile();
+    await touch("touchEnd", []);
+  };
+  const card = page.getByRole("button", { name: "Add cactus", exact: true });
+  await card.scrollIntoViewIfNeeded();
+  const box = (await card.boundingBox())!;
+  const at: Point = [box.x + box.width / 2, box.y + box.height / 2];
+  const side: Point = await page.evaluate(() => {
+    const { viewport } = window.meshgraft;
+    const { x, y } = viewport.project(viewport.main!.sphere().center);
+    return [x, y] as const;
+  });
+  await swipe(at, [side[0] - at[0], side[1] - at[1]], async () => {
+    await page.getByText(/lift the finger to graft, then drag the grips of its base/).first().waitFor();
+    await user.screenshot(`touch-base-dragged-${theme}`);
+  });
+  await grafted(user);
+  await page.getByText(/^With a finger, drag the blue grips/).waitFor();
+  await user.rests();
+  await user.screenshot(`touch-base-${theme}`);
+
+  const base = () => page.evaluate(() => window.meshgraft.editor.graft.kept.value?.at?.base);
+  const found = await page.evaluate(() => window.meshgraft.editor.graft.report.value?.base?.height ?? 0);
+  const along = await page.locator(".base-stem").evaluate((stem) => {
+    const path = stem as SVGPathElement;
+    const [from, to] = [path.getPointAtLength(0), path.getPointAtLength(path.getTotalLength())] as const;
+    const length = Math.hypot(to.x - from.x, to.y - from.y);
+    return [(to.x - from.x) / length, (to.y - from.y) / length] as const;
+  });
+  /** Drags from the edge of a grip, 20 pixels beside its middle, by so many pixels along the stem. */
+  const dragGrip = async (grip: string, px: number) => {
+    const knob = (await page.locator(`.base-knob.${grip} .halo`).boundingBox())!;
+    expect(Math.min(knob.width, knob.height)).toBeGreaterThanOrEqual(44);
+    const from: Point = [knob.x + knob.width / 2 + 20 * along[1], knob.y + knob.height / 2 - 20 * along[0]];
+    await swipe(from, [px * along[0], px * along[1]]);
+    await grafted(user);
+  };
+  await dragGrip("height", 8);
+  expect((await base())?.height).toBeGreaterThan(found);
+  await dragGrip("tilt", 16);
+  expect((await base())?.tilt_deg).not.toBe(0);
+  await user.rests();
+  await user.screenshot(`touch-base-changed-${theme}`);
+  expect(user.complaints).toEqual([]);
+}, 180_000);

@@ -6,7 +6,7 @@ import type { GraftFields, GraftStep } from "../../app/graft/graft_step";
 import { withoutMatch, withoutPair } from "../../app/graft/graft_step";
 import { setAsideWords } from "../../app/graft/set_aside";
 import { pairingWords } from "../../app/graft/graft_words";
-import { forFingers } from "../../app/pointer_kind";
+import { forFingers, pointerKind } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { PartLibrary } from "./graft_library";
 import { CutInWork, CutPanel } from "./graft_cut";
@@ -76,6 +76,7 @@ function GraftPanel({ page }: { page: Page }) {
         onChange={(value: Arrangement) => (graft.arrangement.value = value)}
       />
       {step.at === undefined && <Pairs page={page} />}
+      <BaseHint page={page} />
       <Sliders page={page} step={step} />
       <ShapeField step={step} keep={keep} />
       <MirrorField
@@ -116,6 +117,14 @@ function GraftPanel({ page }: { page: Page }) {
       </div>
     </Section>
   );
+}
+
+/** Tells of the grips of the plane that opens a closed part. */
+function BaseHint({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  if (graft.step.value?.at === undefined || graft.report.value?.base === undefined) return null;
+  const hand = pointerKind.value === "touch" ? "With a finger, drag" : "Drag";
+  return <p class="hint">{hand} the blue grips in the view: the one with the straight arrow for the height of the base, the one with the bent arrow for its tilt.</p>;
 }
 
 function Pairs({ page }: { page: Page }) {

@@ -10,6 +10,7 @@ import { baseCorners, baseFrame, raised, tilted, type BaseFrame } from "./base_p
 type Grip = "height" | "tilt";
 
 const stemPx = 56; // from the plane to the grip of its height
+const nearPx = 12; // of a press; twice as far for fingers
 
 /**
  * Shows the plane at which a dropped part is cut open, as an outline in the view. One grip, beside the plane along its
@@ -94,8 +95,12 @@ export class BaseGrip {
   }
 
   private gripAt(screenPoint: ScreenPoint, toleranceFactor: number): Grip | undefined {
-    const isAt = (at: ScreenPoint | undefined) => at !== undefined && distanceToSegment(screenPoint, at, at) <= 12 * toleranceFactor;
-    return (["height", "tilt"] as const).find((grip) => isAt(this.at[grip]));
+    const farFrom = (grip: Grip) => {
+      const at = this.at[grip];
+      return at === undefined ? Infinity : distanceToSegment(screenPoint, at, at);
+    };
+    const nearest = farFrom("tilt") < farFrom("height") ? "tilt" : "height";
+    return farFrom(nearest) <= nearPx * toleranceFactor ? nearest : undefined;
   }
 
   private fieldsWith(base: object): GraftFields {

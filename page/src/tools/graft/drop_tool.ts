@@ -147,7 +147,7 @@ export class DropTool implements Tool {
     const spin = `Spin ${this.drop.spinDeg.toFixed(0)}°`;
     this.context.status.say(
       pointerKind.value === "touch"
-        ? `${spin} · ${size}${base} · lift the finger to graft`
+        ? `${spin} · ${size}${base} · lift the finger to graft${isClosed ? ", then drag the grips of its base" : ""}`
         : `${spin} (wheel, R) · ${size} (Shift+wheel, S)${base}${isClosed ? " (Alt+wheel, B; T tilts)" : ""} · Esc cancels`,
       this.screenPoint,
     );
