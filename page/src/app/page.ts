@@ -2,6 +2,8 @@ import type { ReadonlySignal } from "@preact/signals";
 import type { Viewport } from "../view/viewport";
 import type { Box, Editor } from "./editor";
 import type { Pair, Rows4, StartCandidate, Vector3Tuple } from "./graft/graft_step";
+import type { LoopRef } from "./graft/graft";
+import type { PlaneTilt } from "./graft/plane_tilt";
 import type { Command } from "./keys";
 import type { Tour } from "./tour";
 
@@ -12,13 +14,19 @@ export interface GraftActions {
    * it.
    */
   dragPart(add: () => Promise<string | undefined>, press: PointerEvent): void;
-  /** Drops the part at the next click on the surface. */
-  dropByClick(add: () => Promise<string | undefined>): Promise<void>;
+  /** Drops the part at the next click on the surface. `isByKey`: the cursor of the keyboard carries it. */
+  dropByClick(add: () => Promise<string | undefined>, isByKey?: boolean): Promise<void>;
   /** Places the cutting plane through the centre of a mesh, normal to an axis. */
   setPlane(mesh: number, axis: 0 | 1 | 2): void;
   /** Returns the distance of the cutting plane from the centre, and the largest such distance. */
   planeOffset(): { offset: number; limit: number } | undefined;
   movePlane(offset: number): void;
+  /** Returns how the cutting plane is tilted; undefined without one. */
+  planeTilt(): PlaneTilt | undefined;
+  /** Tilts the cutting plane about its point. */
+  tiltPlane(tilt: PlaneTilt): void;
+  /** Returns the centre of a loop's vertices, in the mesh's own coordinates. */
+  loopCentre(loop: LoopRef): Vector3Tuple | undefined;
   /** Returns the centre of a mesh's box, in the mesh's own coordinates. */
   centreOf(mesh: number): Vector3Tuple;
   /** Returns the box of a mesh as it is shown, in the mesh's own coordinates; null where it is not shown. */

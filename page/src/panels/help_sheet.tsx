@@ -38,13 +38,16 @@ const whileDropping: readonly [string, string][] = [
   ["Scale it", "Shift+wheel, S or Shift+S"],
   ["Cut a closed part higher, lower", "Alt+wheel, B or Shift+B"],
   ["Tilt that cut", "Alt+Shift+wheel, T or Shift+T"],
-  ["Graft, cancel", "click, Esc"],
+  ["Graft, cancel", "click, Space or Enter; Esc"],
 ];
 const withoutPointer: readonly [string, string][] = [
   ["Move the cursor", "arrow keys, with Shift or Alt"],
   ["Click, begin or end a stroke", "Space"],
   ["Orbit", "Ctrl+arrow keys"],
   ["Zoom", "Page Up, Page Down"],
+  ["Drop a part of the library", "Enter on its Drop button, arrow keys, Space"],
+  ["Pair loops", "Pair loops by name, in the panel Graft"],
+  ["Cut by a plane", "Offset and Tilt, in the panel Cut"],
 ];
 
 const tour: readonly [string, string][] = [

@@ -25,6 +25,8 @@ export interface Stroke {
   cancel(): void;
   /** Whether the stroke acts only at its end, so that a second finger makes it a pinch. */
   readonly isClick?: boolean;
+  /** Whether a key that presses acts at once. Otherwise the next press ends the stroke. */
+  readonly isClickByKey?: boolean;
   /** Whether `move` gets every position of the pointer, and not only the last one before each picture. */
   readonly followsPath?: boolean;
 }
@@ -63,6 +65,8 @@ export interface Tool {
   /** Handles keys before commands do, and the wheel before the navigation does. Returns whether the tool used them. */
   takeKey?(event: KeyboardEvent): boolean;
   wheel?(event: WheelEvent): boolean;
+  /** Says for those who do not see it what the tool shows at a point. */
+  wordsAt?(screenPoint: ScreenPoint): string | undefined;
 }
 
 const usualPressure = 0.5;

@@ -69,7 +69,7 @@ export class ToolBox implements ToolActions {
     const plane = new PlaneControl(viewport, editor.graft, graftView);
     this.gizmo = new Gizmo(editor, viewport, new FirstActive([plane, part, this.control]), camera, status);
     const drop = new DropTool(this.context, graftView);
-    this.graft = new GraftPanelActions(editor, viewport, drop);
+    this.graft = new GraftPanelActions(editor, viewport, drop, (at) => this.focusCursor(at));
     new PlaneView(viewport, plane, editor.graft);
     this.cursor = new KeyCursor(viewport.overlay);
     this.graftTools = {
@@ -212,13 +212,25 @@ export class ToolBox implements ToolActions {
   }
 
   private moveCursor(dx: number, dy: number): void {
+    this.placeCursor(dx, dy);
+    this.editor.announce(this.wordsUnder(this.pointer.screenPoint));
+  }
+
+  /** Moves the focus into the view, with the cursor at a point. */
+  private focusCursor(at: ScreenPoint): void {
+    this.viewport.canvas.focus();
+    this.cursor.hide();
+    this.pointer = { ...this.pointer, screenPoint: at };
+    this.placeCursor(0, 0);
+  }
+
+  private placeCursor(dx: number, dy: number): void {
     const screenPoint = this.cursor.move(dx, dy, this.pointer.screenPoint);
     // Shift and alt change the length of a step, and not how a stroke selects.
     this.pointer = { screenPoint, shift: false, ctrl: false, alt: false };
     if (this.gizmo.isModal) this.gizmo.follow(screenPoint, false);
     else if (this.stroke !== undefined) this.stroke.move(this.pointer);
     else this.hover();
-    this.editor.announce(this.wordsUnder(screenPoint));
   }
 
   /** Clicks at the cursor, or begins a stroke there, which the next press ends. */
@@ -230,7 +242,7 @@ export class ToolBox implements ToolActions {
     }
     const stroke = this.strokeFor(keyTolerance);
     if (stroke === undefined) return this.editor.announce("There is nothing to press here.");
-    if (stroke.isClick === true) return stroke.end(this.pointer);
+    if (stroke.isClick === true || stroke.isClickByKey === true) return stroke.end(this.pointer);
     this.stroke = stroke;
     this.draggingPointer = keyPointer;
     this.editor.announce("The stroke begins. Space ends it, Escape cancels it.");
@@ -240,6 +252,8 @@ export class ToolBox implements ToolActions {
   private wordsUnder(screenPoint: ScreenPoint): string {
     const grip = this.gizmo.wordsAt(screenPoint) ?? this.base.wordsAt(screenPoint);
     if (grip !== undefined) return grip;
+    const ofTool = this.tool.wordsAt?.(screenPoint);
+    if (ofTool !== undefined) return ofTool;
     const hit = this.hitUnder(screenPoint);
     if (hit === undefined) return "Beside the model.";
     const handle = this.control.handleAt(hit.surface, hit.vertex);

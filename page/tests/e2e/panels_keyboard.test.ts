@@ -1,21 +1,7 @@
 import { existsSync } from "node:fs";
 import { expect, test } from "vitest";
 import { EditorHarness, theme, type User } from "./harness";
-
-/** Presses tab until an element of this name has the focus. */
-async function tabTo(user: User, name: RegExp, most = 60): Promise<void> {
-  for (let i = 0; i < most; ++i) {
-    const label = await user.page.evaluate(() => {
-      const element = document.activeElement;
-      if (!(element instanceof HTMLElement)) return "";
-      const named = element.getAttribute("aria-labelledby");
-      return element.getAttribute("aria-label") ?? (named === null ? null : document.getElementById(named)?.textContent) ?? element.textContent ?? "";
-    });
-    if (name.test(label)) return;
-    await user.page.keyboard.press("Tab");
-  }
-  throw new Error(`tab does not come to ${name}`);
-}
+import { tabTo } from "./tab_to";
 
 async function hasVisibleFocus(user: User): Promise<boolean> {
   return user.page.evaluate(() => {

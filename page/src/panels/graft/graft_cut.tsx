@@ -1,3 +1,4 @@
+import { axisNames, mostTilt } from "../../app/graft/plane_tilt";
 import { otherSide } from "../../app/cuts";
 import { pointerKind } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
@@ -67,6 +68,7 @@ function PlaneFields({ page }: { page: Page }) {
   );
   const name = graft.byMesh(cut?.mesh ?? -1)?.name ?? graft.model.value?.name ?? "";
   const plane = cut === null ? undefined : page.graft.planeOffset();
+  const tilt = cut === null ? undefined : page.graft.planeTilt();
   return (
     <>
       <Select
@@ -98,6 +100,27 @@ function PlaneFields({ page }: { page: Page }) {
           onChange={(value) => page.graft.movePlane(value)}
         />
       )}
+      {tilt !== undefined &&
+        ([0, 1] as const).map((k) => {
+          const towards = axisNames[(tilt.axis + k + 1) % 3] as string;
+          const turn = (to: number) => page.graft.tiltPlane({ ...tilt, degrees: k === 0 ? [to, tilt.degrees[1]] : [tilt.degrees[0], to] });
+          return (
+            <Slider
+              key={towards}
+              label={`Tilt to ${towards}`}
+              min={-mostTilt}
+              max={mostTilt}
+              suffix="°"
+              arrowStep={1}
+              step={5}
+              digits={3}
+              value={Math.round(10 * tilt.degrees[k]) / 10}
+              help={`Turns the plane, so that its normal leans from ${axisNames[tilt.axis]} towards ${towards}.`}
+              onInput={turn}
+              onChange={turn}
+            />
+          );
+        })}
       {cut === null && <p class="hint">Draw a line across the model, or choose an axis.{pointerKind.value !== "touch" && " Middle-drag orbits."}</p>}
       {cut !== null && (
         <CutClosingFields

@@ -165,8 +165,8 @@ function Card({ page, offered }: { page: Page; offered: Offered }) {
       <IconButton
         label={`Drop ${name} on the surface`}
         icon="region"
-        tip="Then click the place on the surface."
-        onClick={() => void page.graft.dropByClick(add)}
+        tip="Then click the place on the surface. By keys: arrow keys move it, Space grafts it."
+        onClick={(isByKey) => void page.graft.dropByClick(add, isByKey)}
       />
     </li>
   );

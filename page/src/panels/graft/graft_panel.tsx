@@ -13,6 +13,7 @@ import { CutInWork, CutPanel } from "./graft_cut";
 import { PartsPanel } from "./graft_parts";
 import { BlendColours, GraftNumbers, LoopToggles, MirrorField, ShapeField } from "./graft_fields";
 import { GraftReportView } from "./graft_report";
+import { PairByName } from "./pair_by_name";
 import { Rotations } from "./rotations";
 import { Button, IconButton } from "../ui/button";
 import { degrees, Segments, Slider } from "../ui/fields";
@@ -43,7 +44,15 @@ export function GraftPanels({ page }: { page: Page }) {
 function Pairing({ page }: { page: Page }) {
   const { graft } = page.editor;
   const words = pairingWords(graft);
-  return words === undefined || graft.tool.value !== "loops" ? null : <p class="next-step">{words}</p>;
+  if (words === undefined || graft.tool.value !== "loops") return null;
+  return (
+    <>
+      <p class="next-step">{words}</p>
+      <div class="pair-by-name">
+        <PairByName page={page} />
+      </div>
+    </>
+  );
 }
 
 const arrangements = [
@@ -194,6 +203,7 @@ function Pairs({ page }: { page: Page }) {
           );
         })}
       </ul>
+      <PairByName page={page} />
     </>
   );
 }

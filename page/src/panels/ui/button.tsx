@@ -36,7 +36,8 @@ export function Button(props: ButtonProps) {
 interface IconButtonProps {
   label: string;
   icon: IconName;
-  onClick: () => void;
+  /** `isByKey`: the keyboard pressed it, and no pointer. */
+  onClick: (isByKey: boolean) => void;
   tip?: string;
   keys?: string;
   pressed?: boolean;
@@ -67,7 +68,7 @@ export function IconButton({
       data-label={label}
       data-tip={tip ?? ""}
       data-keys={keys}
-      onClick={() => disabled !== true && onClick()}
+      onClick={(event) => disabled !== true && onClick(event.detail === 0)}
     >
       <Icon name={icon} />
     </button>

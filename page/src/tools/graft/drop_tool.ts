@@ -1,6 +1,7 @@
 import type { Graft } from "../../app/graft/graft";
 import type { GraftFields } from "../../app/graft/graft_step";
 import { pointerKind } from "../../app/pointer_kind";
+import { formatNumber } from "../../app/units";
 import type { GraftView } from "../../view/graft/graft_view";
 import type { Hit } from "../../view/picking/picking";
 import { raycastSurface } from "../../view/picking/picking";
@@ -18,6 +19,7 @@ interface Drop {
   baseTiltDeg: number;
 }
 
+const mostStarts = 400; // places that are tried for a drop by keys
 const mostTiltDeg = 60; // beyond, the plane hardly cuts the part
 
 /**
@@ -64,7 +66,38 @@ export class DropTool implements Tool {
         if (this.isOverTarget(at.screenPoint)) void this.finish();
       },
       cancel: () => this.cancel(),
+      isClickByKey: true,
     };
+  }
+
+  /** Grafts the part where it is shown. */
+  confirm(): boolean {
+    if (this.drop === undefined || this.graft.dropped.value === null) return false;
+    void this.finish();
+    return true;
+  }
+
+  /** Returns a point of the page over the target, near its middle; undefined if none is in the view. */
+  startPoint(): ScreenPoint | undefined {
+    const { viewport } = this.context;
+    const mesh = this.targetMesh();
+    const surface = viewport.surfaceOf(mesh);
+    if (surface === undefined) return undefined;
+    const middle = viewport.project(surface.sphere().center.applyMatrix4(this.view.targetMatrixWorld));
+    const step = Math.max(1, Math.floor(surface.vertexCount / mostStarts));
+    const points: ScreenPoint[] = [middle];
+    for (let v = 0; v < surface.vertexCount; v += step) points.push(viewport.project(surface.positionOf(v).applyMatrix4(this.view.targetMatrixWorld)));
+    const far = ({ x, y }: ScreenPoint) => Math.hypot(x - middle.x, y - middle.y);
+    const isFree = ({ x, y }: ScreenPoint) => document.elementFromPoint(x, y) === viewport.canvas;
+    return points.sort((a, b) => far(a) - far(b)).find((point) => isFree(point) && this.isOverTarget(point));
+  }
+
+  wordsAt(screenPoint: ScreenPoint): string {
+    const { name = "The part" } = this.graft.dropped.value ?? {};
+    const point = this.pointUnder(screenPoint);
+    if (point === undefined) return "Beside the model.";
+    const target = this.graft.byMesh(this.targetMesh())?.name ?? "the model";
+    return `${name} on ${target}, at ${point.map((x) => formatNumber(x, 3)).join(", ")}.`;
   }
 
   wheel(event: WheelEvent): boolean {
@@ -85,6 +118,7 @@ export class DropTool implements Tool {
     else if (key.toLowerCase() === "b") this.raiseBase(1.1 ** back);
     else if (key.toLowerCase() === "t") this.tiltBase(5 * back);
     else return false;
+    this.context.editor.announce(`${this.words()}.`);
     return true;
   }
 
@@ -134,6 +168,17 @@ export class DropTool implements Tool {
     return { source, at, size: drop.size ?? null };
   }
 
+  /** Describes how the part is turned, scaled and tilted. */
+  private words(): string {
+    const { spinDeg = 0, size, baseHeight, baseTiltDeg = 0 } = this.drop ?? {};
+    return [
+      `Spin ${spinDeg.toFixed(0)} degrees`,
+      ...(size === undefined ? [] : [`size ${size.toPrecision(3)}`]),
+      ...(baseHeight === undefined ? [] : [`base at ${baseHeight.toPrecision(3)}`]),
+      ...(baseTiltDeg === 0 ? [] : [`base tilted ${baseTiltDeg.toFixed(0)} degrees`]),
+    ].join(", ");
+  }
+
   private show(): void {
     const fields = this.fields();
     if (fields === undefined || this.drop === undefined || this.screenPoint === undefined) return;
@@ -157,9 +202,11 @@ export class DropTool implements Tool {
   async finish(): Promise<void> {
     const fields = this.fields();
     if (fields === undefined) return this.cancel();
+    const { name = "The part" } = this.graft.dropped.value ?? {};
     const done = this.graft.endDrop(fields);
     this.end();
     await done;
+    if (this.graft.isEdited.value) this.context.editor.announce(`${name} is on the surface. Ctrl and Enter accept the graft.`);
   }
   /** Cancels the drop and says why: the part was released off the surface. */
   async cancelMissed(): Promise<void> {
@@ -168,7 +215,11 @@ export class DropTool implements Tool {
     await done;
   }
   cancel(): void {
-    if (this.graft.dropped.value !== null) void this.graft.cancelDrop();
+    const { value: dropped } = this.graft.dropped;
+    if (dropped !== null) {
+      void this.graft.cancelDrop();
+      this.context.editor.announce(`Cancelled: ${dropped.name} is not grafted.`);
+    }
     this.end();
   }
   /** Returns whether the target's surface is under this point. */
@@ -181,11 +232,14 @@ export class DropTool implements Tool {
     if (this.graft.tool.value === "drop") this.graft.tool.value = "loops";
   }
 
+  private targetMesh(): number {
+    return this.graft.byName(this.graft.kept.value?.target ?? this.graft.model.value?.name)?.mesh ?? -1;
+  }
+
   // Picks the target itself, which is hidden while the result is shown.
   private pointUnder({ x, y }: ScreenPoint): [number, number, number] | undefined {
     const { viewport } = this.context;
-    const target = this.graft.kept.value?.target ?? this.graft.model.value?.name;
-    const surface = viewport.surfaceOf(this.graft.byName(target)?.mesh ?? -1);
+    const surface = viewport.surfaceOf(this.targetMesh());
     if (surface === undefined) return undefined;
     const ray = viewport.rayAt(x, y).applyMatrix4(this.view.targetMatrixWorld.clone().invert());
     const point = raycastSurface(surface, viewport.treeOf(surface), ray)?.point;

@@ -2,11 +2,14 @@ import { Matrix4, Vector3 } from "three";
 import type { Box, Editor } from "../../app/editor";
 import type { Pair, Rows4, StartCandidate, Vector3Tuple } from "../../app/graft/graft_step";
 import type { GraftActions } from "../../app/page";
+import type { LoopRef } from "../../app/graft/graft";
+import { axisNames, normalOfTilt, tiltOf, type PlaneTilt } from "../../app/graft/plane_tilt";
 import { boxOfPositions } from "../../app/shown_box";
 import { matrixOfRows, rowsOfMatrix } from "../../view/graft/graft_view";
 import { StartPictures } from "../../view/graft/start_pictures";
 import type { Viewport } from "../../view/viewport";
 import type { DropTool } from "./drop_tool";
+import type { ScreenPoint } from "../screen_camera";
 import type { Pointer } from "../tool";
 
 const dragPx = 7; // a press that moves farther is a drag
@@ -14,11 +17,14 @@ const dragPx = 7; // a press that moves farther is a drag
 /** Implements the functions of the tools that the graft panel uses. */
 export class GraftPanelActions implements GraftActions {
   private readonly pictures: StartPictures;
+  private tiltedFrom: 0 | 1 | 2 = 2; // axis from which the cutting plane was tilted last
 
   constructor(
     private readonly editor: Editor,
     private readonly viewport: Viewport,
     private readonly dropTool: DropTool,
+    /** Moves the focus into the view, with the cursor of the keyboard at a point. */
+    private readonly focusCursor: (at: ScreenPoint) => void,
   ) {
     this.pictures = new StartPictures(viewport, editor.graft);
   }
@@ -57,8 +63,14 @@ export class GraftPanelActions implements GraftActions {
     window.addEventListener("pointercancel", lose);
   }
 
-  async dropByClick(add: () => Promise<string | undefined>): Promise<void> {
-    if (!this.editor.graft.isEdited.value) await this.begin(add);
+  async dropByClick(add: () => Promise<string | undefined>, isByKey = false): Promise<void> {
+    const { graft } = this.editor;
+    if (graft.isEdited.value || !(await this.begin(add)) || !isByKey) return;
+    const start = this.dropTool.startPoint();
+    if (start !== undefined) this.focusCursor(start);
+    this.editor.announce(
+      `${graft.dropped.value?.name ?? "The part"} follows the cursor over the surface. Arrow keys move it, R turns it, S scales it, Space or Enter grafts it, Escape cancels.`,
+    );
   }
 
   private async begin(add: () => Promise<string | undefined>, then = () => {}): Promise<boolean> {
@@ -87,9 +99,32 @@ export class GraftPanelActions implements GraftActions {
     if (surface === undefined) return;
     const normal: Vector3Tuple = [0, 0, 0];
     normal[axis] = 1;
+    this.tiltedFrom = axis;
     this.editor.graft.tool.value = "plane";
     this.editor.graft.cutPlane.value = { mesh, plane: { point: this.centreOf(mesh), normal } };
     this.viewport.requestRender();
+    const name = this.editor.graft.byMesh(mesh)?.name ?? "the mesh";
+    this.editor.announce(`The plane cuts ${name} across ${axisNames[axis]}, through its middle.`);
+  }
+  planeTilt(): PlaneTilt | undefined {
+    const { value: cut } = this.editor.graft.cutPlane;
+    return cut === null ? undefined : tiltOf(cut.plane.normal, this.tiltedFrom);
+  }
+  tiltPlane(tilt: PlaneTilt): void {
+    const { cutPlane } = this.editor.graft;
+    if (cutPlane.value === null) return;
+    const { mesh, plane } = cutPlane.value;
+    this.tiltedFrom = tilt.axis;
+    cutPlane.value = { mesh, plane: { point: plane.point, normal: normalOfTilt(tilt) } };
+    this.viewport.requestRender();
+  }
+  loopCentre({ mesh, loop }: LoopRef): Vector3Tuple | undefined {
+    const vertices = this.editor.graft.loops.value.get(mesh)?.[loop]?.vertices;
+    const surface = this.viewport.surfaceOf(mesh);
+    if (vertices === undefined || surface === undefined) return undefined;
+    const sum = new Vector3();
+    for (const v of vertices) sum.add(surface.positionOf(v));
+    return sum.divideScalar(Math.max(1, vertices.length)).toArray();
   }
   planeOffset(): { offset: number; limit: number } | undefined {
     const { value: cut } = this.editor.graft.cutPlane;

@@ -1,0 +1,93 @@
+import { useState } from "preact/hooks";
+import type { LoopRef, MeshObject } from "../../app/graft/graft";
+import { pairsToGo, pairsToGoWords } from "../../app/graft/graft_words";
+import type { Page } from "../../app/page";
+import { counted, formatNumber } from "../../app/units";
+import { Button } from "../ui/button";
+import { Select } from "../ui/fields";
+import { More } from "../ui/section";
+
+/** Pairs loops that are chosen by name. */
+export function PairByName({ page }: { page: Page }) {
+  const { graft } = page.editor;
+  const parts = graft.isEdited.value
+    ? [graft.source.value]
+    : graft.parts.value.filter((part) => graft.isShown(part) && part.loops > 0);
+  const [chosen, setChosen] = useState("");
+  const part = parts.find((part) => part?.name === chosen) ?? parts[0];
+  const target = graft.isEdited.value ? graft.target.value : graft.model.value;
+  if (part === undefined || part.loops === 0 || target === undefined || target.loops === 0) return null;
+  return (
+    <More label="Pair loops by name">
+      {parts.length > 1 && (
+        <Select
+          label="Part"
+          value={part.name}
+          choices={parts.flatMap((part) => (part === undefined ? [] : [{ value: part.name, label: part.name }]))}
+          onChange={setChosen}
+        />
+      )}
+      <LoopsToPair key={`${part.mesh} ${target.mesh}`} page={page} part={part} target={target} />
+    </More>
+  );
+}
+
+function LoopsToPair({ page, part, target }: { page: Page; part: MeshObject; target: MeshObject }) {
+  const { editor } = page;
+  const { graft } = editor;
+  const [ofPart, setOfPart] = useState<number | undefined>(undefined);
+  const [ofTarget, setOfTarget] = useState<number | undefined>(undefined);
+  const pairs = graft.keptPairs.value;
+  const free = (count: number, taken: readonly number[]) => Math.max(0, Array.from({ length: count }, (_, k) => k).findIndex((k) => !taken.includes(k)));
+  const first = { mesh: part.mesh, loop: ofPart ?? free(part.loops, pairs.map(({ sourceLoop }) => sourceLoop)) };
+  const second = { mesh: target.mesh, loop: ofTarget ?? free(target.loops, pairs.map(({ targetLoop }) => targetLoop)) };
+  const pair = async () => {
+    graft.hovered.value = null;
+    setOfPart(undefined);
+    setOfTarget(undefined);
+    await graft.pair(first, second);
+    if (!graft.isEdited.value) return; // a message says why
+    const toGo = pairsToGo(graft);
+    editor.announce(
+      `Loop ${first.loop + 1} of ${part.name} and loop ${second.loop + 1} of ${target.name} are paired.${toGo === undefined ? "" : ` ${pairsToGoWords(toGo)}.`}`,
+    );
+  };
+  return (
+    <>
+      <LoopChoice page={page} of={part} chosen={first} onChange={setOfPart} />
+      <LoopChoice page={page} of={target} chosen={second} onChange={setOfTarget} />
+      <div class="buttons">
+        <Button label="Pair" icon="connected" tip="Joins the two loops." onClick={() => void pair()} />
+      </div>
+    </>
+  );
+}
+
+/** Chooses a loop of an object. It lights up in the view, and is described to screen readers. */
+function LoopChoice({ page, of, chosen, onChange }: { page: Page; of: MeshObject; chosen: LoopRef; onChange: (loop: number) => void }) {
+  const { graft } = page.editor;
+  const loops = graft.loops.value.get(of.mesh) ?? [];
+  const choose = (loop: number) => {
+    onChange(loop);
+    graft.hovered.value = { mesh: of.mesh, loop };
+    const shown = loops[loop];
+    const centre = page.graft.loopCentre({ mesh: of.mesh, loop });
+    if (shown !== undefined && centre !== undefined)
+      page.editor.announce(
+        `${of.name}, loop ${loop + 1}: ${counted(shown.vertices.length, "vertex", "vertices")}, ${formatNumber(shown.length, 3)} around, centre at ${centre.map((x) => formatNumber(x, 3)).join(", ")}.`,
+      );
+  };
+  return (
+    <div onFocusIn={() => (graft.hovered.value = chosen)} onFocusOut={() => (graft.hovered.value = null)}>
+      <Select
+        label={`Loop of ${of.name}`}
+        value={String(chosen.loop)}
+        choices={Array.from({ length: of.loops }, (_, loop) => ({
+          value: String(loop),
+          label: loops[loop] === undefined ? `Loop ${loop + 1}` : `Loop ${loop + 1}, ${formatNumber(loops[loop].length, 3)} around`,
+        }))}
+        onChange={(loop) => choose(Number(loop))}
+      />
+    </div>
+  );
+}
