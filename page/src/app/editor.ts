@@ -3,7 +3,7 @@ import { laterStepWords } from "./graft/set_aside";
 import { batch, computed, effect, signal, untracked } from "@preact/signals";
 import { MessageKind, type BinaryMessage } from "../engine/binary_message";
 import { Connection, LostConnection, Refusal, type Link, type Outcome } from "../engine/connection";
-import type { DocumentState, EngineEvent, Id, PageRequest, Pose, Poses, Vector } from "../protocol";
+import type { DocumentState, EngineEvent, Id, Note, PageRequest, Pose, Poses, Vector } from "../protocol";
 import type { Surface } from "../view/surface/surface";
 import type { Viewport } from "../view/viewport";
 import { announcementOf, openedWords } from "./announcements";
@@ -16,6 +16,7 @@ import { Mending } from "./mending";
 import { baseName, folderOf } from "./paths";
 import { Printing } from "./printing";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
+import { remedyOf, remedyOfPage, type PageRemedy } from "./remedies";
 import { labelOf } from "./request_labels";
 import { shapedWords } from "./shaping";
 import { asPercent, mirrorTolerance, sufficientTolerance, withTolerance } from "./symmetry";
@@ -24,7 +25,7 @@ import { counted, formatNumber, unitsOfFiles } from "./units";
 import { keyOfUpload } from "./upload";
 import type { ViewSettings } from "./view_settings";
 import {
-  fieldsOf, fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
+  fileToReplace, inPanelWords, noteWords, toldOf, toldOfNote,
   type Failure, type PageError, type Told,
 } from "./wording";
 
@@ -62,7 +63,7 @@ const noAnswer: PageError = {
   code: "io",
   problem: "meshgraft does not answer",
   location: "",
-  remedy: "Check that `meshgraft edit` is still running; this page reconnects by itself.",
+  remedy: "Is the program still running where it was started? This page reconnects by itself.",
 };
 
 const fileRequests: ReadonlySet<Message["of"]> = new Set(["open", "save", "export", "part", "list", "restore", "discard"]);
@@ -159,7 +160,8 @@ export class Editor {
       ask: (request) => this.ask(request),
       attempt: (request) => this.attempt(request),
       request: (request) => this.connection.request(request),
-      note: (problem, remedy = "") => this.tell("note", { problem, location: "", remedy }, { topic: "graft" }),
+      note: (problem, remedy = "", offered?: PageRemedy) =>
+        this.tell("note", { problem, location: "", remedy }, { topic: "graft", offer: this.offerOfPage(offered) }),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
     this.marking = new Marking({
@@ -184,7 +186,8 @@ export class Editor {
       welcome: this.welcome,
       attempt: (request) => this.attempt(request),
       ask: (request) => this.ask(request),
-      note: (problem, remedy) => this.tell("note", { problem, location: "", remedy }, { topic: "written" }),
+      note: (problem, remedy, offered) =>
+        this.tell("note", { problem, location: "", remedy }, { topic: "written", offer: this.offerOfPage(offered) }),
       tellFiles: (done, outcome) => this.tellFiles(done, outcome),
     });
     this.library = new Library((request) => this.connection.send(request));
@@ -215,16 +218,18 @@ export class Editor {
 
   /** Offers what the page can do about a failure, such as a wider tolerance where a vertex lacks a mirror image. */
   private offerFor(failure: Failure, refused: PageRequest): Message["offer"] {
-    if (fieldsOf(failure, "editor.edit_without_file") !== undefined)
-      return { label: "Save as…", run: () => (this.dialog.value = "save") };
     const tolerance = sufficientTolerance(failure);
-    if (tolerance === undefined) return undefined;
+    if (tolerance === undefined) return this.offerOf(failure, refused);
     const run = async () => {
       mirrorTolerance.value = tolerance;
       for (const request of withTolerance(refused, tolerance, this.state.value?.symmetry?.plane))
         if ((await this.ask(request)) === undefined) return;
     };
     return { label: `Use ${formatNumber(asPercent(tolerance))} %`, run: () => void run() };
+  }
+  private offerOf(fact: Failure | Note, refused?: PageRequest): Message["offer"] {
+    const remedy = "id" in fact ? remedyOf(fact, refused) : undefined;
+    return remedy && { label: remedy.label, run: () => void remedy.run(this) };
   }
   /** Grafts the part that was grafted last once more, on the other side. */
   mirrorGraft(): Promise<void> {
@@ -245,7 +250,7 @@ export class Editor {
     const before = handles();
     const active = this.tools.activeHandle.value;
     const answer = await this.attempt({ do: direction });
-    if ("code" in answer && answer.code !== "usage") this.tell("problem", toldOf(answer)); // usage: nothing is left
+    if ("code" in answer && answer.code !== "usage") this.tell("problem", toldOf(answer), { offer: this.offerOf(answer) }); // usage: nothing is left
     if ("code" in answer || this.graft.mode.value === "graft") return;
     const after = handles();
     const back = after.filter((name) => !before.includes(name));
@@ -369,7 +374,7 @@ export class Editor {
     }
     const file = fileToReplace(done);
     if (file !== undefined) this.replacing.value = file;
-    else this.tell("problem", toldOf(done));
+    else this.tell("problem", toldOf(done), { of: "save", offer: this.offerOf(done, { do: "save" }) });
     return false;
   }
   /** Overwrites the edit file that another program or tab has changed. */
@@ -440,8 +445,12 @@ export class Editor {
     const message = { key: ++this.lastMessage, kind, told, ...more };
     this.messages.value = withMessage(this.messages.value, message);
   }
-  note(problem: string, location = "", remedy = ""): void {
-    this.tell("note", { problem, location, remedy });
+  note(problem: string, location = "", remedy = "", offered?: PageRemedy): void {
+    this.tell("note", { problem, location, remedy }, { offer: this.offerOfPage(offered) });
+  }
+  private offerOfPage(offered: PageRemedy | undefined): Message["offer"] {
+    const remedy = offered && remedyOfPage[offered];
+    return remedy && { label: remedy.label, run: () => void remedy.run(this) };
   }
   dismiss(key: number): void {
     this.messages.value = this.messages.value.filter((message) => message.key !== key);
@@ -462,7 +471,7 @@ export class Editor {
       const lines = [...(note.details ?? []).map(noteWords), remedy].filter((line) => line !== "");
       const told = { problem, location: "", remedy: lines.join("\n") };
       if (note.id === "editor.defects") this.tell("note", told, { of: "repair", topic: "defects", offer: this.offerOfMending() });
-      else this.tell("note", told);
+      else this.tell("note", told, { offer: this.offerOf(note) });
     }
   }
 
@@ -510,7 +519,7 @@ export class Editor {
         else this.offer.value = event;
         break;
       case "notice":
-        this.tell("problem", inPanelWords(event.error));
+        this.tell("problem", inPanelWords(event.error), { offer: this.offerOf(event.error) });
         break;
     }
   }
@@ -546,7 +555,7 @@ export class Editor {
       this.setupBegan = undefined;
     }
     this.live.value = anew ? event : { ...before, ...event };
-    if (event.error !== undefined) this.tell("problem", inPanelWords(event.error), { of: "live" });
+    if (event.error !== undefined) this.tell("problem", inPanelWords(event.error), { of: "live", offer: this.offerOf(event.error) });
     else if (event.accuracy !== undefined) this.dismissOutdated("live");
     if (event.stage === "ready" || event.stage === "failed" || event.stage === "proxy-only") {
       const progress = new Map(this.progress.value);

@@ -2,6 +2,7 @@ import { signal, type Signal } from "@preact/signals";
 import type { Outcome } from "../engine/connection";
 import type { EngineEvent, PageRequest } from "../protocol";
 import { joined } from "./paths";
+import type { PageRemedy } from "./remedies";
 import { remembered } from "./remembered";
 import type { Failure } from "./wording";
 
@@ -15,7 +16,7 @@ export interface FoldersLinks {
   readonly welcome: Signal<Welcome | null>;
   attempt(request: PageRequest): Promise<Outcome | Failure>;
   ask(request: PageRequest): Promise<Outcome | undefined>;
-  note(problem: string, remedy: string): void;
+  note(problem: string, remedy: string, offered: PageRemedy): void;
   tellFiles(done: string, outcome: Outcome): void;
 }
 
@@ -53,7 +54,7 @@ export class Folders {
   /** Writes an object as it is shown to the part library's folder, under a new name. Without `part` it is the model. */
   async saveAsPart(name: string, part?: string): Promise<void> {
     const folder = this.ofParts.value ?? this.links.welcome.value?.folders[0];
-    if (folder === undefined) return this.links.note("There is no folder for parts", "Add one in the part library.");
+    if (folder === undefined) return this.links.note("There is no folder for parts", "Add one in the part library.", "library");
     const listing = await this.links.ask({ do: "list", folder });
     if (listing === undefined) return;
     const taken = new Set((listing.files ?? []).map((file) => (typeof file === "string" ? file : file.name)));

@@ -81,7 +81,7 @@ export class Upload {
         reject({
           problem: "The file could not be sent",
           location: file.name,
-          remedy: "Check that `meshgraft edit` is still running, and try again.",
+          remedy: "Is the program still running where it was started? Then try again.",
         });
       request.onabort = () => resolve(undefined);
       request.open("POST", engineUrl("upload", { token: this.token, name: file.name }));

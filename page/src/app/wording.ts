@@ -1,6 +1,7 @@
 import type { FactFields, FactId } from "../facts";
 import type { EngineError, Note } from "../protocol";
 import { baseWords } from "./graft/base_words";
+import { methods, settingsTable } from "./method_settings";
 import { counted, formatNumber } from "./units";
 
 /** The content of a message to the user. Location and remedy may be empty. */
@@ -97,6 +98,17 @@ function sideWord(side: "source" | "target"): string {
   return side === "source" ? "part" : "model";
 }
 
+/** Names a method of the edit file as the panel does. */
+function methodWord(name: string): string {
+  return methods.find(({ value }) => value === name)?.label ?? name;
+}
+/** Names a setting of the edit file, or a choice of one, as the panel does. */
+function settingWord(name: string): string {
+  const choices = settingsTable.flatMap((setting) => (setting.kind === "choice" ? setting.choices : []));
+  const found = settingsTable.find(({ key }) => key === name) ?? choices.find(({ value }) => value === name);
+  return found?.label ?? name.replaceAll("_", " ");
+}
+
 function loopSizes(loops: number, sizes: readonly number[]): string {
   const more = sizes.length < loops ? ["…"] : []; // the engine lists the first ones
   return `${counted(loops, "loop")} (of ${[...sizes, ...more].join(", ")} vertices)`;
@@ -181,6 +193,15 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `a ${paths[kind]} needs ${needed} points near different vertices, here are ${count}`,
     remedy: "Click more points, farther apart.",
   }),
+  "deform.proxy_solution_not_finite": () => ({
+    problem: "the preview cannot be computed: the solution is not finite",
+    remedy: "Undo, and move the handle by less.",
+  }),
+  "deform.solution_not_finite": ({ vertex }) => ({
+    problem: `the result cannot be computed: the solution is not finite at vertex ${vertex}`,
+    remedy: "Undo, and move the handle by less.",
+  }),
+  "deform.vertex_not_finite": () => ({ remedy: "Mend the model, or choose a region away from that vertex." }),
   "deform.solve_exceeds_memory": () => ({ remedy: smallerOrProxy }),
 
   "editor.defects": ({ file }) => ({
@@ -188,6 +209,13 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Defects, at the right, shows and mends them.",
   }),
   "editor.edit_without_file": () => ({ remedy: "Choose Save as…, in the menu at the top left." }),
+  "editor.fields_without_use": () => ({ problem: "a graft that is cancelled or swapped changes in no other way" }),
+  "editor.handle_follows": ({ handle, leader }) => ({
+    problem: `“${handle}” is the mirror image of “${leader}”`,
+    remedy: `Drag “${leader}”, or switch the symmetry off.`,
+  }),
+  "editor.id_unusable": () => ({ problem: "the page sent what the program does not understand" }),
+  "editor.input_of_edit": () => ({ problem: "the edit begins with this file, so it cannot be replaced" }),
   "editor.faces_change": () => ({ remedy: "Switch off As a morph target." }),
   "editor.graft_side_missing": () => ({
     problem: "a graft needs a part and a model",
@@ -204,6 +232,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "editor.journal_not_written": ({ reason }) => ({
     problem: `changes can no longer be saved to disk as you make them: ${reason}`,
   }),
+  "editor.no_folder": () => ({ remedy: "Add a folder first." }),
+  "editor.no_graft_to_resume": () => ({ remedy: "Choose a graft under Steps." }),
   "editor.no_handle_in_step": ({ step, handle }) => ({ problem: `step ${step} has no handle named “${handle}”` }),
   "editor.no_part": () => ({ remedy: "Add one from the part library." }),
   "editor.no_pictures": () => ({ remedy: "" }),
@@ -220,6 +250,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: "this is not the full path of a folder",
     remedy: "Begin at the root or at your home, such as /home/me/models or ~/models.",
   }),
+  "editor.no_such_request": () => ({ problem: "the page asked for what the program does not know" }),
+  "editor.selected_elsewhere": ({ on, wanted }) => ({
+    problem: `the selection lies on ${on}`,
+    remedy: `Select on ${wanted}.`,
+  }),
   "editor.outside_folders": () => ({
     remedy: "Drop the file on the window, or add its folder where you choose files.",
   }),
@@ -228,6 +263,8 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: "Wait a moment, and try again.",
   }),
 
+  "io.file_exists": () => ({ remedy: "Choose another name, or replace it." }),
+  "io.no_morph_targets": () => ({ remedy: "Choose glTF as the format." }),
   "io.other_format": ({ file, format, named }) => ({
     problem: `the file ${file} holds ${format}, not ${named}`,
     remedy: `It was opened as ${format}. An export under this name is written as ${named}.`,
@@ -258,6 +295,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.boundary_touches_itself": ({ side, vertex }) => ({
     problem: `the ${sideWord(side)}'s boundary touches itself in vertex ${vertex}`,
+    remedy: `Cancel the graft and mend the ${sideWord(side)}.`,
   }),
   "merge.component_without_pair": ({ vertices }) => ({
     problem: `a piece of the part has no paired loop yet (${counted(vertices, "vertex", "vertices")})`,
@@ -305,7 +343,9 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.loop_without_length": ({ side, vertex }) => ({
     problem: `the ${sideWord(side)}'s loop at vertex ${vertex} has no length`,
+    remedy: `Cancel the graft and mend the ${sideWord(side)}: all vertices of the loop are in one place.`,
   }),
+  "merge.seam_vertex_not_finite": () => ({ remedy: "Cancel the graft and mend the model." }),
   "merge.loops_differ": ({ pair, difference_percent, bend_deg }) => ({
     problem: `the loops of pair ${pair + 1} differ in shape (by ${formatNumber(difference_percent, 4, 0)} % of their radius on average), so the seam is bent by ${formatNumber(bend_deg, 4, 0)}°`,
     remedy: "Double-click a loop to match more points, or cut loops that are more alike.",
@@ -363,7 +403,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.ring_not_removable": () => ({
     problem: "the ring of faces at the model's loop cannot be taken away without cutting off more",
-    remedy: "Repair the model near the loop: it is not an oriented manifold there.",
+    remedy: "Cancel the graft and mend the model: it is not an oriented manifold there.",
   }),
   "merge.retried": ({ faults_before, faults, tries }) => ({
     problem: `the first try had ${counted(faults_before, "fault")} at the seam (inverted, folded or intersecting faces), this one has ${faults}; ${tries} were tried`,
@@ -455,7 +495,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
 
   "mesh.cap_inside_out": () => ({
     problem: "the cut cannot be closed: the mesh faces inward there",
-    remedy: "Mend the model first: Inward-facing is in its list of defects. Or leave the cut open.",
+    remedy: "Mend the mesh first, or leave the cut open.",
   }),
   "mesh.cap_needs_plane": () => ({
     problem: "only a cut by a plane can be closed",
@@ -467,7 +507,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "mesh.cap_outline_open": () => ({
     problem: "the cut cannot be closed: it meets a hole of the mesh",
-    remedy: "Fill the holes of the model first, or leave the cut open.",
+    remedy: "Close the holes of the mesh first, or leave the cut open.",
   }),
   "mesh.no_room_for_pins": () => ({
     problem: "no pin fits: the model is too thin behind the cut",
@@ -567,6 +607,20 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "mesh.faces_left_out": ({ mesh, count }) => ({
     problem: `${counted(count, "face")} of ${mesh} cannot be used and ${count === 1 ? "was" : "were"} left out`,
   }),
+  "mesh.index_out_of_range_within_reach": ({ count }) => ({
+    problem: `${counted(count, "face has", "faces have")} a corner that does not exist`,
+    remedy: "Mend the mesh first.",
+  }),
+  "mesh.non_finite_within_reach": ({ count }) => ({
+    problem: `${counted(count, "vertex has", "vertices have")} no position`,
+    remedy: "Mend the mesh first: that removes them with their faces.",
+  }),
+  "mesh.outlying_vertex_within_reach": ({ count }) => ({
+    problem: `${counted(count, "vertex lies", "vertices lie")} far beyond all others`,
+    remedy: "Mend the mesh first: that removes them with their faces.",
+  }),
+  "mesh.face_index_out_of_range": () => ({ remedy: "Mend the mesh first." }),
+  "mesh.vertex_not_finite": () => ({ remedy: "Mend the mesh first." }),
   "mesh.loop_crosses_itself": () => ({ remedy: "Draw again, so that the curve stays clear of itself." }),
   "mesh.loop_does_not_part": () => ({
     problem: "the curve does not divide the surface: there is no side to keep",
@@ -598,9 +652,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "script.fixed_with_found_pose": () => ({ remedy: "Set Placement to Manual." }),
   "script.former_backend": ({ former, name }) => ({
-    problem: `the solver '${former}' is called '${name}' now, and that is what was used`,
+    problem: `the solver ${former} of the edit file is called ${settingWord(name)} now, and that is what was used`,
   }),
-  "script.former_setting": ({ former, name }) => ({ problem: `the setting '${former}' is called '${name}' now` }),
+  "script.former_setting": ({ former, name }) => ({
+    problem: `the setting ${former} of the edit file is called ${settingWord(name)} now`,
+  }),
   "script.graft_intersects": ({ pairs }) => ({
     problem: `the result has ${counted(pairs, "self-intersecting pair")} of faces; another rotation, size or shape may help`,
   }),
@@ -608,18 +664,29 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `“${handle}” has no vertices`,
     remedy: "Select more for it, or remove the handle.",
   }),
+  "script.handle_not_finite": ({ handle, vertex }) => ({
+    problem: `“${handle}” has a vertex without a position, ${vertex}`,
+    remedy: "Mend the model first.",
+  }),
+  "script.handles_with_found_pose": () => ({
+    problem: "nothing can be held while the part's place is found",
+    remedy: "",
+  }),
   "script.handle_outside_region": ({ handle, outside, all }) => ({
     problem: `${outside} of the ${counted(all, "vertex", "vertices")} of “${handle}” lie outside the region`,
     remedy: "Make the region larger, or the handle smaller.",
   }),
   "script.loop_on_non_manifold_edge": ({ loop, mesh, count, vertices }) => ({
     problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "edge has", "edges have")} more than two faces, on the loop, first at vertices ${vertices.join(", ")}`,
+    remedy: "Mend the mesh first.",
   }),
   "script.loop_on_non_manifold_vertex": ({ loop, mesh, count, vertices }) => ({
     problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "vertex joins", "vertices join")} separate fans of faces, on the loop, first at vertices ${vertices.join(", ")}`,
+    remedy: "Mend the mesh first.",
   }),
   "script.loop_wound_inconsistently": ({ loop, mesh, count, vertices }) => ({
     problem: `loop ${loop + 1} of ${mesh} cannot be paired: ${counted(count, "edge has", "edges have")} two faces that are oriented inconsistently, on the loop, first at vertices ${vertices.join(", ")}`,
+    remedy: "Mend the mesh first. A Möbius strip has no two sides: cut it open.",
   }),
   "script.match_of_no_pair": ({ target, source }) => ({
     problem: `a match joins loop ${target + 1} of the model and loop ${source + 1} of the part, which are no pair`,
@@ -627,7 +694,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "script.mirror_image_fixed": ({ vertex, handle }) => ({
     problem: `vertex ${vertex} of the mirror image of “${handle}” is already fixed`,
-    remedy: "Symmetry mirrors the handle to the other side: take what is there out of the fixed area.",
+    remedy: "Take what is there out of the fixed area, or switch the symmetry off.",
   }),
   "script.mirror_image_held": ({ vertex, handle, other }) => ({
     problem: `vertex ${vertex} of the mirror image of “${handle}” is already part of “${other}”`,
@@ -640,6 +707,7 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the mirror image of the curve “${handle}” passes a vertex twice`,
     remedy: "Make the tolerance smaller, under Symmetry, or draw the curve elsewhere.",
   }),
+  "script.no_faces_left": () => ({ remedy: "Switch off what removes faces, at the step." }),
   "script.no_mirror_image": ({ handle, lost, all, tolerance_rel }) => ({
     problem: lackWords({ lost, all }, `“${handle}”`),
     remedy: `The model is not quite the same on both sides. A tolerance of ${percent(tolerance_rel)} suffices; or use another handle.`,
@@ -691,10 +759,11 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     remedy: `A tolerance of ${percent(tolerance_rel)}, under Symmetry, suffices.`,
   }),
   "script.setting_without_use": ({ method, setting }) => ({
-    problem: `the method '${method}' does not use the ${setting}, so that it changed nothing`,
+    problem: `the method ${methodWord(method)} does not use the ${settingWord(setting)}, so that it changed nothing`,
   }),
   "script.side_without_closed_loop": ({ side, mesh, edges, vertex }) => ({
     problem: `the ${sideWord(side)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,
+    remedy: `Cancel the graft and mend the ${sideWord(side)}.`,
   }),
   "script.side_without_faces": ({ side, mesh }) => ({ problem: `the ${sideWord(side)} (${mesh}) has no faces` }),
   "script.side_without_loop": ({ side, mesh }) => ({
@@ -708,6 +777,14 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "script.source_loop_unclear": ({ loops, sizes }) => ({
     problem: `it is unclear which loop of the part joins the surface: it has ${loopSizes(loops, sizes)}`,
     remedy: "Drop a part with one loop, or pair its loops with loops of the model.",
+  }),
+  "script.strict_drop_intersects": ({ pairs }) => ({
+    problem: `${counted(pairs, "pair")} of faces of the result intersect`,
+    remedy: "Another place, spin or size may help.",
+  }),
+  "script.strict_graft_intersects": ({ pairs }) => ({
+    problem: `${counted(pairs, "pair")} of faces of the result intersect`,
+    remedy: "Another rotation, size or shape may help.",
   }),
   "script.vertex_not_mirrored": ({ vertex }) => ({
     problem: `vertex ${vertex} lacks a mirror image`,

@@ -17,6 +17,7 @@ import type { DocumentState, PageRequest } from "../protocol";
 import { FolderBrowser, useListing } from "./folder_browser";
 import { printProblems, unitOfFileWords } from "../app/print_words";
 import { sidesOf } from "./status_bar";
+import { RemedyButton } from "./remedy_button";
 import { Button } from "./ui/button";
 import { Dialog } from "./ui/dialog";
 import { Segments, Select, Toggle } from "./ui/fields";
@@ -121,7 +122,8 @@ function TargetDialog(props: TargetProps) {
       {fault !== undefined && <p class="hint">{fault}</p>}
       {told !== undefined && (
         <p class="failure" role="alert" data-fact={failure !== undefined && "id" in failure ? failure.id : undefined}>
-          {sentence(told.problem)}. {told.remedy} {told.location !== "" && <code>{told.location}</code>}
+          {sentence(told.problem)}. {told.remedy} {told.location !== "" && <code>{told.location}</code>}{" "}
+          {failure !== undefined && "id" in failure && <RemedyButton page={page} fact={failure} />}
         </p>
       )}
     </Dialog>

@@ -106,7 +106,7 @@ export function LostConnection({ page }: { page: Page }) {
   const { editor } = page;
   const lost = editor.link.value === "lost";
   if (!lost || !(editor.expired.value || editor.welcome.value !== null)) return null;
-  const program = editor.isWaitedFor.value ? "the program that opened this page" : <code>meshgraft edit</code>;
+  const program = editor.isWaitedFor.value ? "the program that opened this page" : "the program";
   const isSafe =
     editor.state.value === null
       ? ""
@@ -121,15 +121,14 @@ export function LostConnection({ page }: { page: Page }) {
           <>
             <h2>The address is incomplete</h2>
             <p>
-              Its token is missing. Open the whole address that <code>meshgraft edit</code> printed.
+              Its token is missing. Open the whole address that the program printed when it started.
             </p>
           </>
         ) : editor.expired.value ? (
           <>
             <h2>meshgraft was restarted</h2>
             <p>
-              This page belongs to the previous run. Open the new address that <code>meshgraft edit</code>{" "}
-              printed. {isSafe}
+              This page belongs to the previous run. Open the new address that the program printed. {isSafe}
             </p>
             {editor.state.value !== null && (
               <p>Open {editor.state.value.name} there to restore what was not saved.</p>

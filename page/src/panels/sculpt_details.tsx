@@ -15,7 +15,7 @@ export function SculptDetails({ page, step: { fields, found }, index }: DetailsP
   const onBothSides = symmetry !== undefined && (
     <>
       <p class="hint">Its mirror image is shaped, too, at the plane that Symmetry had then.</p>
-      <StepNotes notes={found?.notes} />
+      <StepNotes page={page} notes={found?.notes} />
     </>
   );
   const unit = page.editor.view.unit.value;

@@ -10,6 +10,7 @@ import { MethodPanel } from "./method_panel";
 import { PrintPanel } from "./print_panel";
 import { StepsPanel } from "./steps_panel";
 import { SymmetryPanel } from "./symmetry_panel";
+import { RemedyButton } from "./remedy_button";
 import { Button } from "./ui/button";
 import { Section } from "./ui/section";
 import { UnitQuestion } from "./unit_question";
@@ -112,8 +113,10 @@ function Notes({ page }: { page: Page }) {
   if (notes.length === 0) return null;
   return (
     <ul class="notes" aria-label="Notes on this step">
-      {notes.map(noteWords).map((words) => (
-        <li key={words}>{words}</li>
+      {notes.map((note) => (
+        <li key={noteWords(note)}>
+          {noteWords(note)} <RemedyButton page={page} fact={note} />
+        </li>
       ))}
     </ul>
   );

@@ -241,7 +241,7 @@ export function CutDetails({ page, step, index }: DetailsProps) {
           onChange={(closing) => change({ cap: null, pins: null, ...closingFields(closing) })}
         />
       )}
-      <StepNotes notes={step.found?.notes} />
+      <StepNotes page={page} notes={step.found?.notes} />
       <Slider
         label="Snap"
         min={0}

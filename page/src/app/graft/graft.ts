@@ -277,6 +277,7 @@ export class Graft {
       this.host.note(
         `Split into ${mesh} (${first}) and ${name} (${second})`,
         [`${name} is under Parts: hide it, export it, or make it the model.`, ...more].join(" "),
+        "parts",
       );
     else if (more.length > 0) this.host.note("Cut.", more.join(" "));
   }

@@ -1,6 +1,7 @@
 // The data types of a graft in the page.
 import type { Outcome } from "../../engine/connection";
 import type { DocumentState, EngineEvent, PageRequest, EditSelection } from "../../protocol";
+import type { PageRemedy } from "../remedies";
 import type { Failure } from "../wording";
 import type { LoopCurve } from "./loop_curve";
 
@@ -43,7 +44,7 @@ export interface GraftHost {
   attempt(request: PageRequest): Promise<Outcome | Failure>;
   request(request: PageRequest): Promise<Outcome>;
   /** Tells the user something that is not a failure. */
-  note(problem: string, remedy: string): void;
+  note(problem: string, remedy: string, offered?: PageRemedy): void;
   /** Returns the positions of a mesh's vertices, 3 numbers each. */
   positionsOf(mesh: number): Float32Array | undefined;
 }

@@ -28,7 +28,7 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
   if (step === undefined || surface === undefined) return;
   const fields = wholeFields(step.fields, graft.latestStep.value);
   if (fields === undefined)
-    return editor.note("the fixed areas of the graft are no longer known here", "", "Edit the graft again under Steps, accept it, then mirror it.");
+    return editor.note("the fixed areas of the graft are no longer known here", "", "Edit the graft again under Steps, accept it, then mirror it.", "steps");
   const { starts = [], start_places: places = [] } = step.found ?? {};
   const plane = mirrorPlane(editor, viewport, places);
   graft.mode.value = "graft";
@@ -43,6 +43,7 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
       noLoop,
       "",
       "Turn Symmetry on to choose the plane, or cut the model open there.",
+      "symmetry",
     );
   graft.arrangement.value = "result";
   await graft.set(mirrored);

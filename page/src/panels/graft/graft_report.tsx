@@ -1,10 +1,9 @@
-import { graftRemedy } from "../../app/graft/graft_remedies";
 import { pairsToGo, pairsToGoWords } from "../../app/graft/graft_words";
 import { forFingers } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { counted } from "../../app/units";
-import { Button } from "../ui/button";
+import { RemedyButton } from "../remedy_button";
 import { Icon } from "../ui/icon";
 
 /** Returns whether a rotation is a guess: below 60 % probable, with others to choose from. */
@@ -14,13 +13,6 @@ function isUnsure({ editor: { graft } }: Page): boolean {
     ({ start, matches }, i) =>
       start === undefined && matches.length === 0 && (told[i]?.starts.length ?? 0) > 1 && told[i]!.confidence < 0.6,
   );
-}
-
-/** A button that changes the graft as a fact asks for, if the page can. */
-function RemedyButton({ page, fact }: { page: Page; fact: { id: string; fields: object } }) {
-  const remedy = graftRemedy(fact);
-  if (remedy === undefined) return null;
-  return <Button label={remedy.label} onClick={() => void page.editor.graft.set(remedy.fields)} />;
 }
 
 /** The outcome of the graft: the error, or the quality of the seam and the notes. */
