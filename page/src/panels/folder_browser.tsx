@@ -1,4 +1,5 @@
 import { useEffect, useState } from "preact/hooks";
+import { isFoundBy } from "../app/own_models";
 import type { Page } from "../app/page";
 import { compareNames, baseName, folderOf, joined } from "../app/paths";
 import { formatBytes } from "../app/units";
@@ -50,18 +51,21 @@ interface BrowserProps {
   shows?: (entry: Entry) => boolean;
   /** Shows pictures of the models. */
   pictures?: boolean;
+  /** What a field elsewhere searches for. Absent: the list has a field of its own. */
+  searched?: string;
 }
 
 const mostUnsearched = 8; // entries of a list that needs no search
 
 /** Shows the folders that may be used, and their content. */
-export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, pictures = false }: BrowserProps) {
+export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, pictures = false, searched }: BrowserProps) {
   const roots = page.editor.welcome.value?.folders ?? [];
   const isRoot = folder === null || roots.includes(folder);
-  const [search, setSearch] = useState("");
+  const [typed, setSearch] = useState("");
+  const search = searched ?? typed;
   useEffect(() => setSearch(""), [folder]);
   const allFiles = (listing?.files ?? []).filter((entry) => shows?.(entry) !== false);
-  const isFound = (name: string) => name.toLowerCase().includes(search.trim().toLowerCase());
+  const isFound = isFoundBy(search);
   const allFolders = folder === null ? [...roots].sort(compareNames) : (listing?.folders ?? []);
   const folders = allFolders.filter((name) => isFound(baseName(name)));
   const files = allFiles.filter(({ name }) => isFound(name));
@@ -82,7 +86,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
           {folder === null ? "Folders" : shortened(folder)}
         </code>
       </div>
-      {allFolders.length + allFiles.length > mostUnsearched && (
+      {searched === undefined && allFolders.length + allFiles.length > mostUnsearched && (
         <input
           type="search"
           class="browser-search"
@@ -133,9 +137,9 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
         ))}
         {isEmpty && (
           <li class="nothing">
-            {folder === null
+            {folder === null && allFolders.length === 0
               ? "There is no folder yet. Add the folder of your models."
-              : "No matching files here."}
+              : "Nothing here matches."}
           </li>
         )}
       </ul>

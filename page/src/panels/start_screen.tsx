@@ -1,23 +1,23 @@
-import { useRef, useState } from "preact/hooks";
-import type { OpenRequest } from "../app/editor";
+import type { RefObject } from "preact";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { isFoundBy } from "../app/own_models";
 import type { Page } from "../app/page";
-import { baseName, folderOf } from "../app/paths";
-import { recentIn, wasLeftUnsaved } from "../app/recent";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
-import { Thumbnail } from "./graft/thumbnail";
+import { OwnModels, Samples } from "./start_models";
 import { Button } from "./ui/button";
 import { Icon, Mark } from "./ui/icon";
 
-/** Shown while nothing is open: models, samples, folders, and an area to drop a file on. */
+/** Shown while nothing is open: own models, samples, folders, and an area to drop a file on. */
 export function StartScreen({ page }: { page: Page }) {
   const { editor } = page;
-  const welcome = editor.welcome.value;
-  const models = welcome?.models ?? [];
-  const recent = recentIn(welcome?.folders ?? [], models);
+  const [search, setSearch] = useState("");
+  const isFound = isFoundBy(search);
+  const screen = useRef<HTMLDivElement>(null);
+  const hasMore = useMoreBelow(screen);
   const opening = [...editor.working.value.values()].find(({ label }) => label === "Opening");
   return (
-    <div class="start">
+    <div class="start" ref={screen}>
       <div class="start-inner">
         <div class="start-title">
           <Mark size={44} />
@@ -25,83 +25,59 @@ export function StartScreen({ page }: { page: Page }) {
             <h1>meshgraft</h1>
             <p>Open a model, paint the area that you want to move, and drag the arrows.</p>
           </div>
+          <input
+            type="search"
+            aria-label="Search models and samples"
+            placeholder="Search models and samples"
+            value={search}
+            onInput={(event) => setSearch(event.currentTarget.value)}
+          />
         </div>
         <div class="start-columns">
           <div class="start-own">
-            {models.length > 0 && <Models page={page} title="Your models" models={models} />}
-            {recent.length > 0 && <Models page={page} title="Recent" models={recent} />}
+            <OwnModels page={page} isFound={isFound} />
           </div>
           <div class="start-samples">
-            <h2>Samples</h2>
-            <ul class="cards">
-              {(welcome?.samples ?? []).map(({ name, description }) => (
-                <Card
-                  key={name}
-                  page={page}
-                  request={{ do: "open", sample: name }}
-                  name={name}
-                  detail={description}
-                />
-              ))}
-            </ul>
+            <Samples page={page} isFound={isFound} />
+            <p class="nothing">Nothing has this name.</p>
           </div>
           <div class="start-files">
             <h2>From this computer</h2>
             <DropArea page={page} />
             <h2>Folders</h2>
-            <Folders page={page} />
+            <Folders page={page} search={search} />
           </div>
         </div>
-        <p class="start-foot">{opening === undefined ? `meshgraft ${welcome?.version ?? ""}` : "Opening…"}</p>
+        <p class="start-foot">
+          {opening === undefined ? `meshgraft ${editor.welcome.value?.version ?? ""}` : "Opening…"}
+        </p>
       </div>
+      {hasMore && (
+        <div class="start-more" aria-hidden="true">
+          <Icon name="down" size={16} />
+        </div>
+      )}
     </div>
   );
 }
 
-function Models({ page, title, models }: { page: Page; title: string; models: readonly string[] }) {
-  return (
-    <>
-      <h2>{title}</h2>
-      <ul class="cards models">
-        {models.map((path) => (
-          <Card key={path} page={page} request={{ do: "open", path }} name={baseName(path)} detail={folderOf(path)} />
-        ))}
-      </ul>
-    </>
-  );
-}
-
-/** The picture of a model, or an icon for an edit file. */
-function CardPicture({ page, request }: { page: Page; request: OpenRequest }) {
-  if ("sample" in request && request.sample !== undefined) return <Thumbnail page={page} of={{ sample: request.sample }} size={48} />;
-  if ("path" in request && request.path !== undefined && !request.path.endsWith(".json"))
-    return <Thumbnail page={page} of={{ path: request.path }} size={48} />;
-  return <Icon name="edit" size={22} />;
-}
-
-function Card({
-  page,
-  request,
-  name,
-  detail,
-}: {
-  page: Page;
-  request: OpenRequest;
-  name: string;
-  detail: string;
-}) {
-  return (
-    <li>
-      <button type="button" class="card" data-sample={request.sample} onClick={() => void page.editor.open(request)}>
-        <CardPicture page={page} request={request} />
-        <span>
-          <strong>{name}</strong>
-          <small>{detail}</small>
-          {wasLeftUnsaved(request) && <small class="unsaved">has unsaved work to restore</small>}
-        </span>
-      </button>
-    </li>
-  );
+/** Returns whether an element can be scrolled farther down. */
+function useMoreBelow(screen: RefObject<HTMLDivElement | null>): boolean {
+  const [more, setMore] = useState(false);
+  useEffect(() => {
+    const { current } = screen;
+    if (current === null) return undefined;
+    const look = () => setMore(current.scrollTop + current.clientHeight < current.scrollHeight - 8);
+    const observer = new ResizeObserver(look);
+    for (const element of [current, ...current.children]) observer.observe(element);
+    current.addEventListener("scroll", look);
+    look();
+    return () => {
+      observer.disconnect();
+      current.removeEventListener("scroll", look);
+    };
+  }, []);
+  return more;
 }
 
 function DropArea({ page }: { page: Page }) {
@@ -128,9 +104,9 @@ function DropArea({ page }: { page: Page }) {
   );
 }
 
-function Folders({ page }: { page: Page }) {
-  const roots = page.editor.welcome.value?.folders ?? [];
-  const [folder, setFolder] = useState<string | null>(roots.length === 1 ? (roots[0] ?? null) : null);
+// The files of the folders themselves are own models, so the list begins with the folders.
+function Folders({ page, search }: { page: Page; search: string }) {
+  const [folder, setFolder] = useState<string | null>(null);
   const listing = useListing(page, folder);
   return (
     <FolderBrowser
@@ -139,6 +115,7 @@ function Folders({ page }: { page: Page }) {
       onFolder={setFolder}
       listing={listing}
       pictures
+      searched={search}
       onFile={(path) => void page.editor.open({ do: "open", path })}
     />
   );

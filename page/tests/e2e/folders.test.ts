@@ -40,7 +40,6 @@ test("a folder is added by its path, and is there again with the next engine", a
   await page.goto(harness.engine.url);
   await user.ready();
   await expect.poll(() => page.evaluate(() => window.meshgraft.editor.welcome.value?.folders)).toContain(other.path);
-  await page.getByRole("button", { name: "Up one folder" }).click();
   await user.click(`Forget ${other.path}`);
   await page.getByRole("list", { name: "Files" }).getByText(other.path).waitFor({ state: "detached" });
   await page.reload();

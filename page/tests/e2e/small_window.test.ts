@@ -47,7 +47,7 @@ test("the start screen of a narrow window shows files before samples", async () 
   harness = await EditorHarness.open({ size: { width: 800, height: 600 }, files: { "scan.ply": ["bar", "--resolution", "8"] } });
   const { user } = harness;
   const { page } = user;
-  await page.getByRole("list", { name: "Files" }).locator("img.thumbnail").first().waitFor();
+  await page.getByRole("list", { name: "Your models" }).locator("img.thumbnail").first().waitFor();
   await user.screenshot("small-window-start");
   const top = (title: string) =>
     page.getByRole("heading", { name: title }).evaluate((heading) => heading.getBoundingClientRect().top);
