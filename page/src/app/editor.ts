@@ -415,7 +415,11 @@ export class Editor {
   }
 
   cancel(id?: Id): void {
-    void this.connection.request(id === undefined ? { do: "cancel" } : { do: "cancel", of: id }).catch(() => undefined);
+    const request: PageRequest = id === undefined ? { do: "cancel" } : { do: "cancel", of: id };
+    this.connection.request(request).then(
+      (outcome) => this.announce(announcementOf(request, outcome, this.state.value)),
+      () => undefined, // the request has ended
+    );
   }
 
   /** Undoes the change whose set-up is still running in the background. */

@@ -20,6 +20,7 @@ export function AddFolder({ page, onAdded }: { page: Page; onAdded: (folder: str
     const answer = await page.editor.folders.add(typed.trim());
     if (typeof answer !== "string") return setFailure(answer);
     close();
+    page.editor.announce(`The folder ${answer} is added.`);
     onAdded(answer);
   };
   return (

@@ -31,10 +31,10 @@ describe("the keys of the view's cursor", () => {
 
 describe("what is read out", () => {
   test("says what came of a request", () => {
-    const before = { undo: "pose", redo: "sculpt" } as const;
+    const before = { undo: "pose", redo: "sculpt", graft: null } as const;
     expect(announcementOf({ do: "undo" }, {}, before)).toBe("Undone: move.");
     expect(announcementOf({ do: "redo" }, {}, before)).toBe("Redone: shaping.");
-    expect(announcementOf({ do: "undo" }, {}, { undo: null, redo: null })).toBeUndefined();
+    expect(announcementOf({ do: "undo" }, {}, { undo: null, redo: null, graft: null })).toBeUndefined();
     expect(announcementOf({ do: "select", how: "invert" }, { selected: 3 }, before)).toBe("3 vertices selected.");
     expect(announcementOf({ do: "handle", what: "remove", name: "ear" }, {}, before)).toBe("ear is removed.");
     expect(announcementOf({ do: "pose", poses: { ear: {} } }, {}, before)).toBe("ear: moved.");
