@@ -2,7 +2,9 @@
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { afterEach, expect, test } from "vitest";
-import { EditorHarness, type User } from "./harness";
+import { damage } from "./damaged";
+import { grafted } from "./grafting";
+import { EditorHarness, Engine, freePort, type User } from "./harness";
 import { poseOf, selectedIn } from "./grips";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -105,6 +107,56 @@ test.each([false, true])("axe-core finds nothing in the guided tour (dark: %s)",
   await user.page.getByRole("button", { name: "Next" }).click(); // a button that is off
   await user.page.getByRole("dialog", { name: "Change it, and accept it" }).waitFor();
   expect(await violationsOf(user), "a later bubble").toEqual([]);
+}, 60_000);
+
+test.each([false, true])("axe-core finds nothing on defects, the question of the unit and an offer to restore (dark: %s)", async (dark) => {
+  const port = await freePort();
+  harness = await EditorHarness.open({ dark, files: { "bust.obj": ["bust", "--resolution", "40"] }, words: ["--port", port] });
+  const { user, folder } = harness;
+  const { page } = user;
+  const check = async (state: string) => expect.soft(await violationsOf(user), state).toEqual([]);
+  await page.getByRole("list", { name: "Your models" }).locator("img.thumbnail").waitFor();
+  await check("start screen with own models");
+  await page.getByRole("searchbox").fill("no such");
+  await page.getByText("Nothing has this name.").waitFor();
+  await check("start screen where nothing is found");
+
+  damage(folder.file("bust.obj"));
+  await page.evaluate((path) => window.meshgraft.editor.open({ do: "open", path }), folder.file("bust.obj"));
+  await user.opened();
+  await page.getByRole("list", { name: "Defects of bust" }).waitFor();
+  await page.getByRole("region", { name: "Unit of the model" }).waitFor();
+  await check("defects, and the question of the unit");
+  await page.getByRole("list", { name: "Defects of bust" }).getByRole("button", { name: "Show" }).first().click();
+  await user.rests();
+  await check("defects lit up");
+  await user.screenshot(`accessible-defects-${dark ? "dark" : "light"}`);
+
+  await page.evaluate(async () => void (await window.meshgraft.editor.ask({ do: "paint-handle", vertices: [0], name: "tip" })));
+  await harness.engine.stop("SIGKILL");
+  await page.getByText("meshgraft does not answer").waitFor();
+  await check("the connection is lost");
+  harness.engine = await Engine.start(["--port", port, folder.file("bust.obj")]);
+  await page.getByText("meshgraft was restarted").waitFor();
+  await check("the engine was started again");
+  page.once("dialog", (dialog) => void dialog.accept());
+  await page.goto(harness.engine.url);
+  await page.getByText("Restore unsaved work?").waitFor();
+  await check("an offer to restore");
+  await user.screenshot(`accessible-restore-${dark ? "dark" : "light"}`);
+}, 120_000);
+
+test.each([false, true])("axe-core finds nothing where several rotations are to choose from (dark: %s)", async (dark) => {
+  harness = await EditorHarness.open({ dark });
+  const { user } = harness;
+  await harness.openSample("bust", 40);
+  await user.page.evaluate(() => window.meshgraft.editor.graft.addPart({ sample: "head", resolution: 40 }).then(() => undefined));
+  await user.page.evaluate(() => void (window.meshgraft.editor.graft.mode.value = "graft"));
+  await grafted(user);
+  await user.page.getByRole("group", { name: "Rotations of pair 1" }).getByRole("button").first().waitFor();
+  await user.rests();
+  expect(await violationsOf(user)).toEqual([]);
+  await user.screenshot(`accessible-rotations-${dark ? "dark" : "light"}`);
 }, 60_000);
 
 /** Returns what is read out to those who do not see the page. */
