@@ -23,6 +23,7 @@ followOtherTabs("frontsOfModels", view.frontsOfModels);
 const viewport = new Viewport(view);
 const shownBox = followShownBox(viewport);
 const editor = new Editor(takeToken(), viewport, view);
+editor.folders.followOtherTabs();
 
 const graftView = new GraftView(viewport, editor.graft);
 const tools = new ToolBox(editor, viewport, graftView);

@@ -71,6 +71,25 @@ TEST(Editor, UsesAFolderThatAPageAdds) {
   EXPECT_EQ(other.ask({{"do", "list"}})["folders"].size(), 2U) << "for all pages";
 }
 
+TEST(Editor, KeepsTheFoldersThatTwoPagesAddAtOnce) {
+  const TemporaryFolder folder, added;
+  const RunningEditor editor({folder.path()});
+  Page first(editor.url()), second(editor.url());
+  std::vector<int> asked_first, asked_second;
+  const auto add = [&](Page& page, int k) {
+    const fs::path path = added.path() / ("models " + std::to_string(k));
+    fs::create_directory(path);
+    return page.send({{"do", "add-folder"}, {"path", path.string()}});
+  };
+  for (int k = 0; k < 20; k += 2) {
+    asked_first.push_back(add(first, k));
+    asked_second.push_back(add(second, k + 1));
+  }
+  for (const int id : asked_first) EXPECT_FALSE(first.reply_to(id).contains("error"));
+  for (const int id : asked_second) EXPECT_FALSE(second.reply_to(id).contains("error"));
+  for (Page* page : {&first, &second}) EXPECT_EQ(page->ask({{"do", "list"}})["folders"].size(), 21U);
+}
+
 TEST(Editor, OpensAnEditFileAndWhatBelongsToIt) {
   const TemporaryFolder folder;
   bar_file(folder);

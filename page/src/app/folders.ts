@@ -3,13 +3,13 @@ import type { Outcome } from "../engine/connection";
 import type { EngineEvent, PageRequest } from "../protocol";
 import { joined } from "./paths";
 import type { PageRemedy } from "./remedies";
-import { remembered } from "./remembered";
+import { RememberedList } from "./remembered";
 import type { Failure } from "./wording";
 
 type Welcome = Extract<EngineEvent, { event: "welcome" }>;
 
 /** Full paths of the folders that were added in this browser. */
-const added = remembered<string[]>("folders", []);
+const added = new RememberedList("folder");
 
 /** The objects of the editor that folders use. */
 export interface FoldersLinks {
@@ -30,17 +30,17 @@ export class Folders {
   /** Adds a folder, in later sessions of this browser, too. Resolves with its path or with the reason why it failed. */
   async add(path: string): Promise<string | Failure> {
     const answer = await this.attempt(path);
-    if (typeof answer === "string") added.value = [...added.value.filter((one) => one !== answer), answer];
+    if (typeof answer === "string") added.add(answer);
     return answer;
   }
 
   isAdded(path: string): boolean {
-    return added.value.includes(path);
+    return added.items.value.includes(path);
   }
 
   /** Takes an added folder off the list. The engine may use it until it ends. */
   forget(path: string): void {
-    added.value = added.value.filter((one) => one !== path);
+    added.remove(path);
     this.setFolders((folders) => folders.filter((one) => one !== path));
     if (`${this.ofParts.value ?? ""}/`.startsWith(joined(path, ""))) this.ofParts.value = null;
   }
@@ -48,7 +48,16 @@ export class Folders {
   /** Adds the folders of earlier sessions. Those that are not there now, such as on another disk, are left out. */
   onWelcome({ folders, models }: Welcome): void {
     if (this.links.welcome.value === null && models.length > 0) this.ofParts.value = folders[0] ?? null;
-    for (const path of added.value) if (!folders.includes(path)) void this.attempt(path);
+    this.addMissing(folders);
+  }
+
+  /** Takes over the folders that other tabs add. */
+  followOtherTabs(): void {
+    added.followOtherTabs(() => this.addMissing(this.links.welcome.value?.folders ?? []));
+  }
+
+  private addMissing(known: readonly string[]): void {
+    for (const path of added.items.value) if (!known.includes(path)) void this.attempt(path);
   }
 
   /** Writes an object as it is shown to the part library's folder, under a new name. Without `part` it is the model. */

@@ -1,5 +1,5 @@
 import type { OpenRequest } from "./editor";
-import { remembered } from "./remembered";
+import { changeRemembered, remembered } from "./remembered";
 
 /** Paths of models and edit files that were opened, latest first. */
 export const recentPaths = remembered<string[]>("recent", []);
@@ -8,7 +8,7 @@ const most = 6;
 
 export function rememberOpened({ path }: OpenRequest): void {
   if (path === undefined) return;
-  recentPaths.value = [path, ...recentPaths.value.filter((one) => one !== path)].slice(0, most);
+  changeRemembered<string[]>("recent", (stored) => [path, ...stored.filter((one) => one !== path)].slice(0, most));
 }
 
 /** Paths and samples that were left with unsaved changes. */
@@ -20,7 +20,7 @@ const nameOf = ({ path, sample }: OpenRequest): string | undefined => path ?? (s
 export function rememberUnsaved(open: OpenRequest, isUnsaved: boolean): void {
   const name = nameOf(open);
   if (name === undefined || unsaved.value.includes(name) === isUnsaved) return;
-  unsaved.value = [...unsaved.value.filter((one) => one !== name), ...(isUnsaved ? [name] : [])];
+  changeRemembered<string[]>("unsaved", (stored) => [...stored.filter((one) => one !== name), ...(isUnsaved ? [name] : [])]);
 }
 export function wasLeftUnsaved(request: OpenRequest): boolean {
   return unsaved.value.includes(nameOf(request) ?? "");

@@ -1,5 +1,5 @@
 // Adds folders in the page, and saves parts to the folder of the part library.
-import { existsSync } from "node:fs";
+import { existsSync, mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { afterEach, expect, test } from "vitest";
 import { EditorHarness, Engine, Folder, freePort, putSample } from "./harness";
@@ -44,7 +44,23 @@ test("a folder is added by its path, and is there again with the next engine", a
   await page.getByRole("list", { name: "Files" }).getByText(other.path).waitFor({ state: "detached" });
   await page.reload();
   await user.ready();
-  expect(await page.evaluate(() => localStorage.getItem("meshgraft folders"))).toBe("[]");
+  expect(await page.evaluate(() => Object.keys(localStorage).filter((key) => key.startsWith("meshgraft folder ")))).toEqual([]);
+}, 60_000);
+
+test("folders that two tabs add are both kept, and seen in both", async () => {
+  other = new Folder();
+  for (const name of ["first", "second"]) mkdirSync(other.file(name));
+  harness = await EditorHarness.open();
+  const tabs = [harness.user, await harness.tab()];
+  const paths = ["first", "second"].map((name) => other!.file(name));
+  await Promise.all(
+    tabs.map(({ page }, i) => page.evaluate((path) => window.meshgraft.editor.folders.add(path).then(() => undefined), paths[i] as string)),
+  );
+  for (const { page } of tabs) {
+    await expect.poll(() => page.evaluate(() => window.meshgraft.editor.welcome.value?.folders)).toEqual(expect.arrayContaining(paths));
+    const kept = await page.evaluate(() => Object.keys(localStorage).filter((key) => key.startsWith("meshgraft folder ")));
+    expect(kept.sort()).toEqual(paths.map((path) => `meshgraft folder ${path}`));
+  }
 }, 60_000);
 
 test("a half is saved as a part, and grafted from the library's folder", async () => {
