@@ -24,6 +24,8 @@ export class Printing {
   readonly overhangDeg = signal(45);
   /** Thinnest wall that can be printed, model units. */
   readonly leastWall = signal(0);
+  /** The largest mesh that the export dialog checks without being asked to, in faces. */
+  readonly mostFacesUnasked = signal(300_000);
 
   constructor(private readonly links: PrintingLinks) {}
 

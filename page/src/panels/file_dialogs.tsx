@@ -175,8 +175,6 @@ export function exportName(state: Pick<DocumentState, "name" | "edit"> | null, p
   return `${stemOf(state?.name ?? "model")}_edited`;
 }
 
-const mostFacesChecked = 300_000; // of a mesh that is checked without being asked for
-
 interface ContentProps {
   page: Page;
   extension: string;
@@ -193,19 +191,20 @@ function Content({ page, extension, part }: ContentProps) {
   const isOfObject = printing.checked()?.name === part?.name;
   const check = isOfObject ? printing.result.value : null;
   const isUnchecked = check === null;
+  const mostFaces = printing.mostFacesUnasked.value;
   useEffect(() => {
     if (!isOfObject) printing.choose(part?.name ?? "");
-    if (isUnchecked && faces > 0 && faces <= mostFacesChecked) void printing.check();
+    if (isUnchecked && faces > 0 && faces <= mostFaces) void printing.check();
   }, [isUnchecked, part?.name]);
   if (state.value === null || box === null) return null;
   const limits = { leastWall: printing.leastWall.value, overhangDeg: printing.overhangDeg.value, unit };
-  const problems = check === null ? [] : printProblems(check, limits).filter(({ tone }) => tone === "bad");
+  const problems = check === null ? [] : printProblems(check, limits).filter(({ tone, finding }) => tone === "bad" || finding === "thin-walls");
   const { words, isOther } = unitOfFileWords(extension, state.value.unit, unit);
   const noUnit = unit === "none" && words.startsWith("The file names") ? " The model has no unit: choose one under View." : "";
   return (
     <>
       <p class="hint">{`${counted(faces, "face")}, ${formatSize(sidesOf(box), unit)}. ${isOther ? "" : words}${noUnit}`}</p>
-      {isUnchecked && faces > mostFacesChecked && (
+      {isUnchecked && faces > mostFaces && (
         <p class="hint">
           This large mesh is not checked yet for what printers refuse. <Button label="Check" onClick={() => void printing.check()} />
         </p>

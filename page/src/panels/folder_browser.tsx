@@ -139,7 +139,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
           <li class="nothing">
             {folder === null && allFolders.length === 0
               ? "There is no folder yet. Add the folder of your models."
-              : "Nothing here matches."}
+              : "No matching files here."}
           </li>
         )}
       </ul>

@@ -1,4 +1,4 @@
-import { readFileSync } from "node:fs";
+import { readFileSync, writeFileSync } from "node:fs";
 import type { Locator } from "playwright-core";
 import { afterEach, expect, test } from "vitest";
 import { EditorHarness, run, theme } from "./harness";
@@ -212,5 +212,35 @@ test("the export dialog says what the file will hold, and warns", async () => {
   await user.screenshot(`printing-export-${theme}`);
   await dialog.getByRole("combobox", { name: "Format" }).selectOption(".3mf");
   expect(await dialog.innerText()).toMatch(/The file says mm/);
+  expect(user.complaints).toEqual([]);
+}, 120_000);
+
+test("the export dialog tells of self-intersections and thin walls, and checks a large mesh when asked to", async () => {
+  harness = await EditorHarness.open({ files: { "bar.obj": ["bar", "--resolution", "8"] } });
+  const { user, folder } = harness;
+  const { page } = user;
+  const lines = readFileSync(folder.file("bar.obj"), "utf8").split("\n");
+  const vertices = lines.filter((line) => line.startsWith("v ")).map((line) => line.split(/\s+/).slice(1, 4).map(Number));
+  const faces = lines.filter((line) => line.startsWith("f ")).map((line) => line.split(/\s+/).slice(1, 4).map((corner) => parseInt(corner)));
+  const moved = vertices.map(([x = 0, y = 0, z = 0]) => `v ${x + 0.53} ${y + 0.31} ${z + 0.17}`);
+  const both = [...vertices.map((at) => `v ${at.join(" ")}`), ...moved];
+  const again = faces.map((corners) => `f ${corners.map((corner) => corner + vertices.length).join(" ")}`);
+  writeFileSync(folder.file("crossed.obj"), [...both, ...faces.map((corners) => `f ${corners.join(" ")}`), ...again, ""].join("\n"));
+  await harness.openFile(folder.file("crossed.obj"));
+  await page.evaluate(() => {
+    window.meshgraft.editor.printing.leastWall.value = 2; // the bar is 1 wide
+    window.meshgraft.editor.printing.mostFacesUnasked.value = 100;
+  });
+  await user.press("Control+e");
+  const dialog = page.getByRole("dialog");
+  await dialog.getByText("This large mesh is not checked yet").waitFor();
+  expect(await dialog.getByRole("list", { name: "Warnings" }).count()).toBe(0);
+  await dialog.getByRole("button", { name: "Check", exact: true }).click();
+  const warnings = dialog.getByRole("list", { name: "Warnings" });
+  await warnings.waitFor();
+  expect(await warnings.innerText()).toMatch(/self-intersecting pairs of faces: print shops refuse this/);
+  expect(await warnings.innerText()).toMatch(/Thinnest wall [\d.]+, below 2/);
+  expect(await dialog.getByText("is not checked yet").count()).toBe(0);
+  await user.screenshot("printing-export-crossed");
   expect(user.complaints).toEqual([]);
 }, 120_000);

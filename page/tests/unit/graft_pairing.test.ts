@@ -1,7 +1,7 @@
 import { signal } from "@preact/signals";
 import { beforeEach, expect, test } from "vitest";
 import { Graft, type GraftReport } from "../../src/app/graft/graft";
-import { graftWords, pairsToGo } from "../../src/app/graft/graft_words";
+import { graftWords, needsPair } from "../../src/app/graft/graft_words";
 import type { DocumentState, PageRequest } from "../../src/protocol";
 
 type Step = { source: string; target: string; pairs: object[] } | null;
@@ -43,13 +43,18 @@ beforeEach(() => {
 const pair = () => graft.pair({ mesh: 1, loop: 2 }, { mesh: 2, loop: 3 });
 const loops = { source_loop: { loop: 3 }, target_loop: { loop: 2 } };
 
-test("the result is shown first, once all loops of the part are paired", async () => {
-  for (const [loops, shown] of [[1, "result"], [4, "both"]] as const) {
-    state.value = documentWith(null, loops);
-    graft.arrangement.value = "apart";
-    await pair();
-    expect(graft.arrangement.value).toBe(shown);
-  }
+test("the result is shown as soon as there is one", async () => {
+  graft.arrangement.value = "apart";
+  await pair();
+  expect(graft.arrangement.value).toBe("both");
+  const error = { id: "merge.component_without_pair", fields: { component: 0, vertices: 9, vertex: 0 } };
+  graft.onEvent({ event: "graft", graft: 1, error } as unknown as GraftReport);
+  expect(graft.arrangement.value).toBe("both");
+  graft.onEvent({ event: "graft", graft: 2, seam: {} } as unknown as GraftReport);
+  expect(graft.arrangement.value).toBe("result");
+  graft.arrangement.value = "apart"; // to pair another loop
+  graft.onEvent({ event: "graft", graft: 3, seam: {} } as unknown as GraftReport);
+  expect(graft.arrangement.value).toBe("apart");
 });
 
 test("pairs that are clicked at once come one after another", async () => {
@@ -80,9 +85,9 @@ test("a part with pieces that are not paired yet says how many pairs are to go, 
   state.value = documentWith({ source: "arms", target: "body", pairs: [loops] });
   const error = { id: "merge.component_without_pair", fields: { component: 0, vertices: 9, vertex: 0 } };
   graft.report.value = { event: "graft", graft: 1, error } as unknown as GraftReport;
-  expect(pairsToGo(graft)).toBe(3);
-  expect(graftWords(graft)).toMatchObject({ tone: "idle", text: "Up to 3 more pairs to go" });
+  expect(needsPair(graft)).toBe(true);
+  expect(graftWords(graft)).toMatchObject({ tone: "idle", text: "1 more pair needed, up to 3 possible" });
   graft.report.value = { event: "graft", graft: 1, error: { id: "merge.no_pairs", fields: {} } } as unknown as GraftReport;
-  expect(pairsToGo(graft)).toBeUndefined();
+  expect(needsPair(graft)).toBe(false);
   expect(graftWords(graft).tone).toBe("problem");
 });

@@ -348,13 +348,14 @@ export class Graft {
 
   /**
    * Pairs two loops. The object that is the current target stays the target. Without a graft in progress the model is
-   * the target. The result is shown once all loops of the source are paired. Calls run one after another.
+   * the target. The result is shown as soon as there is one. Calls run one after another.
    */
   pair(a: LoopRef, b: LoopRef): Promise<void> {
     this.pairing = this.pairing.catch(() => undefined).then(() => this.pairNow(a, b));
     return this.pairing;
   }
   private pairing: Promise<void> = Promise.resolve();
+  private showsResult = false; // as soon as there is a result of the pairs
   private async pairNow(a: LoopRef, b: LoopRef): Promise<void> {
     const targetName = this.kept.value?.target ?? this.model.value?.name;
     const [target, source] = this.byMesh(a.mesh)?.name === targetName ? [a, b] : [b, a];
@@ -364,8 +365,8 @@ export class Graft {
     const pairs = withPair(before, source.loop, target.loop);
     this.activePair.value = pairs.length - 1;
     const anew = same ? { at: null } : names;
+    this.showsResult = true;
     await this.set({ ...anew, pairs: pairsField(pairs) });
-    if (pairs.length >= (this.byMesh(source.mesh)?.loops ?? 0)) this.arrangement.value = "result";
   }
 
   setPairs(pairs: readonly Pair[]): Promise<boolean> {
@@ -396,6 +397,10 @@ export class Graft {
     batch(() => {
       this.report.value = event;
       if (event.error !== undefined) this.preview.value = null;
+      else if (this.showsResult && event.seam !== undefined) {
+        if (this.picked.value === null && this.hovered.value === null) this.arrangement.value = "result"; // the next pair is not begun
+        this.showsResult = false;
+      }
       if (this.dragged.value === null && event.transform !== undefined)
         this.transform.value = event.transform;
       this.starts.storeFound(event);

@@ -23,18 +23,22 @@ function nextAction(graft: Graft): string | undefined {
     : "Now click the loop of the other mesh to join to it";
 }
 
-/**
- * Returns how many loops of the part have no pair, if the graft waits for more pairs; undefined if it does not. A piece
- * with several loops needs one pair at least.
- */
-export function pairsToGo(graft: Graft): number | undefined {
-  const error = graft.report.value?.error;
-  if (error === undefined || fieldsOf(error, "merge.component_without_pair") === undefined) return undefined;
-  return Math.max(1, (graft.source.value?.loops ?? 0) - graft.pairs.value.length);
+/** Returns how many more pairs can be made: of loops of the part and of the model that have none. */
+export function morePairs(graft: Graft): number {
+  const loops = Math.min(graft.source.value?.loops ?? 0, graft.target.value?.loops ?? 0);
+  return Math.max(0, loops - graft.pairs.value.length);
 }
 
-export function pairsToGoWords(count: number): string {
-  return count === 1 ? "1 more pair to go" : `Up to ${count} more pairs to go`;
+/** Returns whether the graft waits for another pair, because a piece of the part has none. */
+export function needsPair(graft: Graft): boolean {
+  const error = graft.report.value?.error;
+  return error !== undefined && fieldsOf(error, "merge.component_without_pair") !== undefined;
+}
+
+/** Says how many pairs a graft that waits for one needs at least, and can have at most. */
+export function pairsToGoWords(graft: Graft): string {
+  const most = morePairs(graft);
+  return most > 1 ? `1 more pair needed, up to ${most} possible` : "1 more pair to go";
 }
 
 /** Returns in few words what graft mode waits for. */
@@ -66,8 +70,7 @@ function beforeGraft(graft: Graft): LiveWords {
 
 function inGraft(graft: Graft, pairs: number): LiveWords {
   const { value: report } = graft.report;
-  const toGo = pairsToGo(graft);
-  if (toGo !== undefined) return { tone: "idle", text: pairsToGoWords(toGo), explained: "Each piece of the part needs a pair." };
+  if (needsPair(graft)) return { tone: "idle", text: pairsToGoWords(graft), explained: "Each piece of the part needs a pair." };
   if (report?.error !== undefined) {
     return { tone: "problem", text: "Cannot be grafted", explained: "The panel Graft says why." };
   }
@@ -76,6 +79,9 @@ function inGraft(graft: Graft, pairs: number): LiveWords {
   if (graft.preview.value === null || graft.dragged.value !== null)
     return { tone: "busy", text: "Grafting…", explained: "A preview follows in a moment." };
   const open = pairs > 0 ? (graft.source.value?.loops ?? 0) - pairs : 0;
+  const more = pairs > 0 ? morePairs(graft) : 0;
+  if (more > 0)
+    return { tone: "good", text: `Grafted; up to ${counted(more, "more pair")}`, explained: "Pair further loops, or Accept to leave them open." };
   if (open > 0)
     return { tone: "good", text: `Grafted; ${counted(open, "loop")} of the part not joined`, explained: "Pair them too, or Accept to leave them open." };
   return { tone: "good", text: "Grafted; Accept to finish", explained: "You can still change it. The view shows the result." };

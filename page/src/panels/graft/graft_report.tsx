@@ -1,9 +1,10 @@
-import { pairsToGo, pairsToGoWords } from "../../app/graft/graft_words";
+import { morePairs, needsPair, pairsToGoWords } from "../../app/graft/graft_words";
 import { forFingers } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
 import { inPanelWords, noteWords, sentence } from "../../app/wording";
 import { counted } from "../../app/units";
 import { RemedyButton } from "../remedy_button";
+import { Button } from "../ui/button";
 import { Icon } from "../ui/icon";
 
 /** Returns whether a rotation is a guess: below 60 % probable, with others to choose from. */
@@ -12,6 +13,20 @@ function isUnsure({ editor: { graft } }: Page): boolean {
   return graft.pairs.value.some(
     ({ start, matches }, i) =>
       start === undefined && matches.length === 0 && (told[i]?.starts.length ?? 0) > 1 && told[i]!.confidence < 0.6,
+  );
+}
+
+/** Offers to pair further loops, where there are some. */
+function MorePairs({ page: { editor: { graft } } }: { page: Page }) {
+  const more = graft.pairs.value.length > 0 ? morePairs(graft) : 0;
+  if (more === 0) return null;
+  return (
+    <span>
+      Up to {counted(more, "more pair")} can be made.{" "}
+      {graft.arrangement.value === "result" && (
+        <Button label="Pair more loops" onClick={() => (graft.arrangement.value = "apart")} />
+      )}
+    </span>
   );
 }
 
@@ -25,12 +40,12 @@ export function GraftReportView({ page }: { page: Page }) {
         Grafting…
       </p>
     );
-  const toGo = pairsToGo(graft);
-  if (toGo !== undefined)
+  if (needsPair(graft))
     return (
       <div class="graft-state" role="status">
-        <strong>{pairsToGoWords(toGo)}</strong>
+        <strong>{pairsToGoWords(graft)}</strong>
         <span>{forFingers("Click a loop of the model and the loop of the part to join to it.")}</span>
+        {graft.arrangement.value === "result" && report.error !== undefined && <RemedyButton page={page} fact={report.error} />}
       </div>
     );
   if (report.error !== undefined) {
@@ -67,6 +82,7 @@ export function GraftReportView({ page }: { page: Page }) {
           {seam.dihedral_p99_deg.toFixed(0)}°{seconds === undefined ? "" : `, ${seconds.toFixed(2)} s`}
         </small>
       )}
+      <MorePairs page={page} />
       {unsure && (
         <span class="unsure">Rotation unclear. If it is wrong, choose another one below, or use Twist.</span>
       )}
