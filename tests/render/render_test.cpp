@@ -149,6 +149,27 @@ TEST(Render, IsTransparentAroundTheShapes) {
   EXPECT_EQ(cover(0, both.height - 1), 255) << "the captions";
 }
 
+TEST(Render, LeavesOutFacesWithoutAPosition) {
+  // A vertex that is not finite costs the faces around it, and not the picture.
+  const Mesh whole = make_sample("torus", 24);
+  for (const double value : {std::nan(""), HUGE_VAL}) {
+    Mesh mesh = whole;
+    mesh.positions(7, 1) = value;
+    const Shape shape{&mesh, {}}, beside{&whole, {}};
+    const RenderOptions options = small_picture();
+    const Image image = render({&shape, 1}, options), expected = render({&beside, 1}, options);
+    int different = 0;
+    for (int y = 0; y < options.height; ++y)
+      for (int x = 0; x < options.width; ++x)
+        if (std::abs(pixel(image, x, y)[0] - pixel(expected, x, y)[0]) > 40) ++different;
+    EXPECT_LT(different, options.width * options.height / 50);
+  }
+  Mesh none = whole;
+  none.positions.setConstant(std::nan(""));
+  const Shape shape{&none, {}};
+  EXPECT_THROW(render({&shape, 1}, small_picture()), Error);
+}
+
 TEST(Render, RefusesAnEmptyScene) {
   EXPECT_THROW(render({}, small_picture()), Error);
   const Mesh mesh;

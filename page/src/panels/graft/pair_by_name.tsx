@@ -1,6 +1,6 @@
 import { useState } from "preact/hooks";
 import type { LoopRef, MeshObject } from "../../app/graft/graft";
-import { pairsToGo, pairsToGoWords } from "../../app/graft/graft_words";
+import { needsPair, pairsToGoWords } from "../../app/graft/graft_words";
 import type { Page } from "../../app/page";
 import { counted, formatNumber } from "../../app/units";
 import { Button } from "../ui/button";
@@ -47,9 +47,9 @@ function LoopsToPair({ page, part, target }: { page: Page; part: MeshObject; tar
     setOfTarget(undefined);
     await graft.pair(first, second);
     if (!graft.isEdited.value) return; // a message says why
-    const toGo = pairsToGo(graft);
+    const more = needsPair(graft) ? ` ${pairsToGoWords(graft)}.` : "";
     editor.announce(
-      `Loop ${first.loop + 1} of ${part.name} and loop ${second.loop + 1} of ${target.name} are paired.${toGo === undefined ? "" : ` ${pairsToGoWords(toGo)}.`}`,
+      `Loop ${first.loop + 1} of ${part.name} and loop ${second.loop + 1} of ${target.name} are paired.${more}`,
     );
   };
   return (
