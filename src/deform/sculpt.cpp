@@ -219,12 +219,18 @@ std::vector<double> profile_within(const SculptPatch& patch, double share) {
 }
 
 // Returns a weight per vertex: 1 in the region, falling smoothly to 0 at the reach and at open boundaries.
+// Towards boundaries it falls within the reach, or within the room that the region has if that is less, so that
+// the vertices of the region that are farthest from a boundary always have the weight 1.
 std::vector<double> profile_around(const SculptPatch& patch, double reach) {
   const std::vector<double> from_boundary = edge_distance(patch.held, patch.points, patch.rings);
+  double room = 0;
+  for (const Index v : patch.moving)
+    if (patch.from_region[v] == 0) room = std::max(room, from_boundary[v]);
+  const double fade = std::min(reach, room);
   std::vector<double> weights(patch.vertex.size(), 0);
   for (const Index v : patch.moving) {
-    const double distance = patch.from_region[v], room = from_boundary[v];
-    const double outward = distance > 0 ? 1 - distance / reach : 1, inward = room < reach ? room / reach : 1;
+    const double outward = patch.from_region[v] > 0 ? 1 - patch.from_region[v] / reach : 1,
+                 inward = from_boundary[v] < fade ? from_boundary[v] / fade : 1;
     weights[v] = smooth_step(std::min(outward, inward));
   }
   return weights;
@@ -304,7 +310,7 @@ Points inflate_region(const SculptedSurface& surface, double height, std::option
                       const Context& context) {
   if (reach) require_reach(*reach);
   const SculptPatch patch = make_sculpt_patch(surface, reach, context);
-  if (!has_area(patch)) return surface.points;
+  if (!has_area(patch) || (reach && moving_of_region(patch, surface).empty())) return surface.points;
   const std::vector<double> weights = reach ? profile_around(patch, *reach) : profile_within(patch, 1);
   const Points normals = broad_normals(patch, context);
   Points moved = patch.points;

@@ -97,8 +97,8 @@ Image render(std::span<const Shape> shapes, const RenderOptions& options, const 
         facts::render::NoSize{.width = options.width, .height = options.height, .samples = options.samples});
   std::vector<Surface> surfaces;
   for (const Shape& shape : shapes) surfaces.push_back(prepare(shape, options, context));
-  if (std::none_of(surfaces.begin(), surfaces.end(), [](const Surface& s) { return s.triangles.rows() > 0; }))
-    throw Error(facts::render::NoFace{});
+  std::erase_if(surfaces, [](const Surface& surface) { return surface.triangles.rows() == 0; });
+  if (surfaces.empty()) throw Error(facts::render::NoFace{});
   const View view = fit_view(surfaces, options);
   const Painter painter(surfaces, view, options, context);
 

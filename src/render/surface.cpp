@@ -68,7 +68,8 @@ std::vector<std::uint8_t> outlines(const Mesh& mesh, const Triangulation& triang
   return bits;
 }
 
-/// Leaves out triangles with a vertex that is not finite, and puts such vertices where a finite one is.
+/// Leaves out triangles with a vertex that is not finite. Puts such vertices where a finite one is, so that the
+/// camera fits to the others.
 void keep_finite(Points& positions, Triangulation& triangulation) {
   if (positions.allFinite()) return;
   Eigen::Index finite = 0;

@@ -43,14 +43,34 @@ std::vector<Index> with_reach(const SculptStep& step, const SculptedSurface& sur
   return vertices;
 }
 
+// Returns the vertices, and those of the two rings of triangles around them, which shaping them reads.
+std::vector<Index> with_triangles_around(const std::vector<Index>& vertices, const Triangles& triangles,
+                                         Index vertex_count) {
+  Flags is_near(vertex_count, 0);
+  for (const Index v : vertices) is_near[v] = 1;
+  for (int ring = 0; ring < 2; ++ring) {
+    const Flags before = is_near;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+      const auto corners = triangles.row(t);
+      if (std::any_of(corners.begin(), corners.end(), [&](Index v) { return before[v] != 0; }))
+        for (const Index v : corners) is_near[v] = 1;
+    }
+  }
+  std::vector<Index> near;
+  for (Index v = 0; v < vertex_count; ++v)
+    if (is_near[v] != 0) near.push_back(v);
+  return near;
+}
+
 /// A region and its mirror image, and what moves with each.
 struct BothSides {
   SculptedSurface own, image;
   std::vector<Index> with_own, with_image;
 };
 
-// Shapes both sides from the same positions, so that they agree. Where both reaches meet, the two movements mix
-// by their weights.
+// Shapes both sides from the same positions, so that they agree. A vertex within both reaches makes both
+// movements in part: all of one and nothing of the other where only one weight is 1, half of each where both
+// are, and never more than the larger one in all.
 Points sculpted(const SculptStep& step, const BothSides& sides, const Context& context) {
   Points moved = sculpted(step, sides.own, context);
   if (sides.with_image.empty()) return moved;
@@ -113,8 +133,7 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   std::vector<Index> region;
   std::set_union(sides.with_own.begin(), sides.with_own.end(), sides.with_image.begin(), sides.with_image.end(),
                  std::back_inserter(region));
-  constexpr int read_rings = 2;  // around what moves
-  const std::vector<Index> read = grow_rings(region, read_rings, selections.rings);
+  const std::vector<Index> read = with_triangles_around(region, triangles, mesh.vertex_count());
   require_sound(state.diagnostics, mesh, {.vertices = read, .name = state.label});
   report.seconds.select = watch.lap();
   Points moved;

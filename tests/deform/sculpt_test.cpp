@@ -197,6 +197,34 @@ TEST(Sculpt, FadesTowardsAnOpenBoundary) {
   }
 }
 
+// However large the reach is, the middle of the region makes the whole movement, and nothing else makes more.
+TEST(Sculpt, MovesTheMiddleOfARegionWhateverItsReach) {
+  const test::TestMesh sheet = test::grid(16, 16);
+  const Vector3d low = sheet.positions.colwise().minCoeff(), high = sheet.positions.colwise().maxCoeff();
+  const double size = (high - low).x();
+  const std::vector<Index> corner =
+      where(sheet, [&](const Vector3d& p) { return (p.head<2>() - low.head<2>()).maxCoeff() < 0.3 * size; });
+  const SculptedSurface surface{sheet.positions, sheet.triangles, corner};
+  for (const double reach : {0.1, 0.5, 1.0, 5.0, 100.0, 1e300}) {
+    const std::vector<double> weights = reach_weights(surface, reach * size);
+    double most = 0;
+    for (const Index v : corner) most = std::max(most, weights[v]);
+    EXPECT_EQ(most, 1) << reach;
+    EXPECT_LE(*std::max_element(weights.begin(), weights.end()), 1) << reach;
+  }
+}
+
+// A region of nothing but an open boundary stays, and so does the surface around it.
+TEST(Sculpt, LeavesAllWhereTheRegionCannotMove) {
+  const test::TestMesh sheet = test::grid(16, 16);
+  const double left = sheet.positions.col(0).minCoeff();
+  const std::vector<Index> rim = where(sheet, [&](const Vector3d& p) { return p.x() == left; });
+  const SculptedSurface surface{sheet.positions, sheet.triangles, rim};
+  const double reach = 0.5 * (sheet.positions.col(0).maxCoeff() - left);
+  EXPECT_EQ(inflate_region(surface, 0.1, reach), sheet.positions);
+  EXPECT_EQ(flatten_region(surface, 1, reach), sheet.positions);
+}
+
 TEST(Sculpt, RefusesAReachThatIsNone) {
   const Fading cap;
   for (const double reach : {-0.1, std::nan(""), std::numeric_limits<double>::infinity()}) {

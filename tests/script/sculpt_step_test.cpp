@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include <meshgraft/samples/samples.h>
 #include <meshgraft/script/run_edit.h>
 
+#include "deform/facts.h"
 #include "deform/sculpt.h"
 #include "io/temporary_folder.h"
 #include "script/facts.h"
@@ -73,6 +75,31 @@ TEST_F(SculptStepTest, RefusesAReachByItsName) {
     }
   }
   EXPECT_THROW(edit(R"("action": "flatten", "region": "cap", "reach": NaN)"), Error) << "no JSON";
+}
+
+// Shaping reads two rings of triangles around what moves, which quads do not show as their edges.
+TEST_F(SculptStepTest, FindsWhatIsNotFiniteAroundItsReach) {
+  constexpr Index side = 7;
+  Mesh quads;
+  quads.positions.resize(side * side, 3);
+  for (Index v = 0; v < side * side; ++v) quads.positions.row(v) << v % side, v / side, 0;
+  for (Index v = 0; v < side * (side - 1); ++v)
+    if (v % side < side - 1) quads.faces.push_back(std::array{v, v + 1, v + side + 1, v + side});
+  const Index middle = quads.vertex_count() / 2;
+  for (Index bad = 0; bad < quads.vertex_count(); ++bad) {
+    const Eigen::RowVector3d kept = quads.positions.row(bad);
+    quads.positions(bad, 2) = std::nan("");
+    put(quads);
+    for (const double reach : {0.0, 1.05, 2.5}) {
+      try {
+        run_edit(edit(R"("action": "inflate", "height": 0.1, "region": {"indices": [)" +
+                      std::to_string(middle) + R"(]}, "reach": )" + std::to_string(reach)));
+      } catch (const Error& error) {
+        EXPECT_NE(error.id(), facts::deform::SolutionNotFinite::id) << bad << " " << reach;
+      }
+    }
+    quads.positions.row(bad) = kept;
+  }
 }
 
 // The two sides fade out towards each other. Their mix is symmetric, and no higher than one side.

@@ -285,7 +285,7 @@ struct SculptStep {
   SculptAction action = SculptAction::smooth;
   EditSelection region;         ///< vertices that are shaped; those at an open boundary stay
   double strength = 0.5;        ///< for `smooth` and `flatten`, 0 to 1
-  double height = 0;            ///< for `inflate`: of the middle, model units; negative: inward
+  double height = 0;            ///< for `inflate`: of the middle (see reach), model units; negative: inward
   std::optional<double> reach;  ///< for `inflate` and `flatten`: how far around the region the surface follows,
                                 ///< along edges, model units; without it the movement fades inside the region
   std::optional<SymmetrySpec> symmetry;  ///< the mirror image of the region is shaped, too

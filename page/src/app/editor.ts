@@ -299,6 +299,7 @@ export class Editor {
     this.opened.value = done === undefined ? before : request;
     if (done === undefined) return false;
     this.dialog.value = null;
+    this.tools.shapeReach.value = null; // another model may have another size
     this.dismissMessages();
     this.tellOfFiles(done);
     if (this.state.value !== null) this.announce(openedWords(this.state.value));

@@ -23,8 +23,12 @@ export function ownModels(recent: readonly string[], given: readonly string[], {
   return [...new Set([...recent.filter(isThere), ...given, ...byName])];
 }
 
-/** Returns whether a name has what is searched for. Nothing searched for is in every name. */
+/** Returns whether a name has all words that are searched for, whatever their case and accents. */
 export function isFoundBy(search: string): (name: string) => boolean {
-  const wanted = search.trim().toLowerCase();
-  return (name) => name.toLowerCase().includes(wanted);
+  const words = plain(search).split(/\s+/);
+  return (name) => words.every((word) => plain(name).includes(word));
+}
+
+function plain(text: string): string {
+  return text.normalize("NFD").replace(/\p{Diacritic}/gu, "").toLowerCase();
 }

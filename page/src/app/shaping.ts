@@ -17,7 +17,7 @@ export function inflatedHeight({ selection, positions }: Selected, strength: num
   return highest * strength * Math.max(size, leastSize * (sizeOf(positions, () => true) ?? 0));
 }
 
-/** Returns the reach with which a step begins that fades out around its region, model units. */
+/** Returns the reach that *Fade: Around* begins with, model units. */
 export function usualReach(diagonal: number): number {
   return Number((0.05 * diagonal).toPrecision(2));
 }

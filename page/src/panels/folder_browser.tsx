@@ -67,7 +67,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
   const allFiles = (listing?.files ?? []).filter((entry) => shows?.(entry) !== false);
   const isFound = isFoundBy(search);
   const allFolders = folder === null ? [...roots].sort(compareNames) : (listing?.folders ?? []);
-  const folders = allFolders.filter((name) => isFound(baseName(name)));
+  const folders = folder === null ? allFolders : allFolders.filter((name) => isFound(baseName(name)));
   const files = allFiles.filter(({ name }) => isFound(name));
   const isEmpty = listing !== undefined && folders.length === 0 && files.length === 0;
   return (
@@ -137,7 +137,7 @@ export function FolderBrowser({ page, folder, onFolder, listing, onFile, shows, 
         ))}
         {isEmpty && (
           <li class="nothing">
-            {folder === null && allFolders.length === 0
+            {folder === null
               ? "There is no folder yet. Add the folder of your models."
               : "No matching files here."}
           </li>

@@ -36,7 +36,7 @@ export function SculptDetails({ page, step: { fields, found }, index }: DetailsP
             unit={unit}
             suffix={unit === "none" ? "" : unit}
             step={0.01 * diagonal}
-            tip="Of the middle. A negative number makes a dent."
+            tip={`${reach === null ? "Of the middle. " : ""}A negative number makes a dent.`}
             onChange={(to) => change({ height: to })}
           />
         </label>
@@ -53,7 +53,7 @@ export function SculptDetails({ page, step: { fields, found }, index }: DetailsP
         step={0.05}
         digits={2}
         value={strength}
-        help={action === "flatten" ? "1 makes the middle flat." : "1 leaves hardly anything of the old shape; the surface around decides."}
+        help={action === "flatten" ? (reach === null ? "1 makes the middle flat." : "1 makes it flat.") : "1 leaves hardly anything of the old shape; the surface around decides."}
         onChange={(to) => change({ strength: to })}
       />
       {action === "flatten" && fade}

@@ -1,4 +1,4 @@
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { OpenRequest } from "../app/editor";
 import { ownModels, type OwnFiles } from "../app/own_models";
 import type { Page } from "../app/page";
@@ -17,6 +17,10 @@ export function OwnModels({ page, isFound }: { page: Page; isFound: (name: strin
   const files = useFilesOf(page, folders);
   const unsaved = new Set(files.files.filter((file) => file.unsaved).map(({ path }) => path));
   const [all, setAll] = useState(false);
+  const list = useRef<HTMLUListElement>(null);
+  useLayoutEffect(() => {
+    if (all) list.current?.children[mostUnasked]?.querySelector("button")?.focus(); // the button that had it is gone
+  }, [all]);
   const recent = recentIn(folders, []);
   const own = ownModels(recent, welcome?.models ?? [], files).filter((path) => isFound(baseName(path)));
   if (own.length === 0) return null;
@@ -24,7 +28,7 @@ export function OwnModels({ page, isFound }: { page: Page; isFound: (name: strin
   return (
     <>
       <h2>Your models</h2>
-      <ul class="cards large" aria-label="Your models">
+      <ul class="cards large" aria-label="Your models" ref={list}>
         {shown.map((path) => (
           <Card
             key={path}

@@ -178,8 +178,8 @@ function ShapeLine({ page }: { page: Page }) {
     <div class="tool-line shape-line" role="toolbar" aria-label="Shape">
       <Button label="Smooth" disabled={!canShape} tip="Removes detail; keeps how the surface around meets it." onClick={() => void editor.shape({ do: "sculpt", action: "smooth", strength })} />
       <Button label="Flatten" disabled={!canShape} tip="Moves it towards its plane." onClick={() => void editor.shape({ do: "sculpt", action: "flatten", strength, ...fading })} />
-      <Button label="Inflate" disabled={!canShape} tip="Raises its middle." onClick={() => inflate(1)} />
-      <Button label="Dent" disabled={!canShape} tip="Lowers its middle." onClick={() => inflate(-1)} />
+      <Button label="Inflate" disabled={!canShape} tip={reach === null ? "Raises its middle." : "Raises it."} onClick={() => inflate(1)} />
+      <Button label="Dent" disabled={!canShape} tip={reach === null ? "Lowers its middle." : "Lowers it."} onClick={() => inflate(-1)} />
       <Slider
         label="Strength"
         min={0.05}

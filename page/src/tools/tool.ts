@@ -26,7 +26,7 @@ export interface Stroke {
   /** Whether the stroke acts only at its end, so that a second finger makes it a pinch. */
   readonly isClick?: boolean;
   /** Whether a key that presses acts at once. Otherwise the next press ends the stroke. */
-  readonly isClickByKey?: boolean;
+  readonly endsByOneKey?: boolean;
   /** Whether `move` gets every position of the pointer, and not only the last one before each picture. */
   readonly followsPath?: boolean;
 }

@@ -242,7 +242,7 @@ export class ToolBox implements ToolActions {
     }
     const stroke = this.strokeFor(keyTolerance);
     if (stroke === undefined) return this.editor.announce("There is nothing to press here.");
-    if (stroke.isClick === true || stroke.isClickByKey === true) return stroke.end(this.pointer);
+    if (stroke.isClick === true || stroke.endsByOneKey === true) return stroke.end(this.pointer);
     this.stroke = stroke;
     this.draggingPointer = keyPointer;
     this.editor.announce("The stroke begins. Space ends it, Escape cancels it.");

@@ -88,11 +88,20 @@ test("a part is dropped from the library onto the surface by keys, and the drop 
   expect(user.complaints).toEqual([]);
 }, 240_000);
 
-test("Enter grafts a part that keys have dropped, too", async () => {
+test("Enter grafts a part that keys have dropped, too, but not beside the model", async () => {
   const { user } = await openByKeys("bar");
   await tabTo(user, /^Drop head on the surface$/, farthestTab);
   await user.press("Enter");
   await whenTold(user, /^head follows the cursor/);
+  const moveUntilTold = async (key: string, words: RegExp) => {
+    for (let step = 0; step < 40 && !words.test((await told(user)).at(-1) ?? ""); ++step) await user.press(key);
+    await whenTold(user, words);
+  };
+  await moveUntilTold("Shift+ArrowRight", /^Beside the model\.$/);
+  await user.press("Enter");
+  await whenTold(user, /^Beside the model\. Move the part back/);
+  expect(await graftOf(user)).toBeNull();
+  await moveUntilTold("Shift+ArrowLeft", /^head on bar/);
   await user.press("Enter");
   await grafted(user);
   await whenTold(user, /^head is on the surface/);

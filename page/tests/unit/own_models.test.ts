@@ -14,7 +14,10 @@ test("a recent file that is gone is left out, where its folder could be read", (
   expect(ownModels(["/m/gone.ply", "/m/within/c.ply"], [], { read: ["/m"], files: [] })).toEqual(["/m/within/c.ply"]);
 });
 
-test("a search ignores case and blanks around it", () => {
+test("a search ignores case, accents and the order of words", () => {
+  expect(isFoundBy("bar model")("model_bar.ply")).toBe(true);
+  expect(isFoundBy("uni")("Üniform.ply")).toBe(true);
+  expect(isFoundBy("\u00e9")("e\u0301.ply")).toBe(true); // one letter, written in two ways
   expect(isFoundBy(" SCAN ")("my scan.ply")).toBe(true);
   expect(isFoundBy("scan 2")("scan 1.ply")).toBe(false);
   expect(isFoundBy("")("anything")).toBe(true);

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { mostTilt, normalOfTilt, tiltOf } from "../../src/app/graft/plane_tilt";
+import { mostPlaneTiltDeg, normalOfTilt, tiltOf } from "../../src/app/graft/plane_tilt";
 import type { Vector3Tuple } from "../../src/app/graft/graft_step";
 
 test("an axis has no tilt, and a tilted normal leans by its angle", () => {
@@ -19,7 +19,7 @@ test.each([
   const length = Math.hypot(...given);
   for (const axis of [0, 1, 2] as const) {
     const tilt = tiltOf(given, axis);
-    expect(Math.max(...tilt.degrees.map(Math.abs))).toBeLessThanOrEqual(mostTilt + 1e-6);
+    expect(Math.max(...tilt.degrees.map(Math.abs))).toBeLessThanOrEqual(mostPlaneTiltDeg + 1e-6);
     normalOfTilt(tilt).forEach((x, k) => expect(x).toBeCloseTo(given[k]! / length, 9));
   }
 });

@@ -348,15 +348,17 @@ export class Graft {
 
   /**
    * Pairs two loops. The object that is the current target stays the target. Without a graft in progress the model is
-   * the target. The result is shown as soon as there is one. Calls run one after another.
+   * the target. The result is shown as soon as there is one. Calls run one after another. Returns whether the engine took
+   * the pair.
    */
-  pair(a: LoopRef, b: LoopRef): Promise<void> {
-    this.pairing = this.pairing.catch(() => undefined).then(() => this.pairNow(a, b));
-    return this.pairing;
+  pair(a: LoopRef, b: LoopRef): Promise<boolean> {
+    const paired = this.pairing.catch(() => undefined).then(() => this.pairNow(a, b));
+    this.pairing = paired;
+    return paired;
   }
-  private pairing: Promise<void> = Promise.resolve();
-  private showsResult = false; // as soon as there is a result of the pairs
-  private async pairNow(a: LoopRef, b: LoopRef): Promise<void> {
+  private pairing: Promise<unknown> = Promise.resolve();
+  private showsNextResult = false; // set by a new pair
+  private async pairNow(a: LoopRef, b: LoopRef): Promise<boolean> {
     const targetName = this.kept.value?.target ?? this.model.value?.name;
     const [target, source] = this.byMesh(a.mesh)?.name === targetName ? [a, b] : [b, a];
     const names = { target: this.byMesh(target.mesh)?.name, source: this.byMesh(source.mesh)?.name };
@@ -365,8 +367,8 @@ export class Graft {
     const pairs = withPair(before, source.loop, target.loop);
     this.activePair.value = pairs.length - 1;
     const anew = same ? { at: null } : names;
-    this.showsResult = true;
-    await this.set({ ...anew, pairs: pairsField(pairs) });
+    this.showsNextResult = true;
+    return this.set({ ...anew, pairs: pairsField(pairs) });
   }
 
   setPairs(pairs: readonly Pair[]): Promise<boolean> {
@@ -397,9 +399,9 @@ export class Graft {
     batch(() => {
       this.report.value = event;
       if (event.error !== undefined) this.preview.value = null;
-      else if (this.showsResult && event.seam !== undefined) {
+      else if (this.showsNextResult && event.seam !== undefined) {
         if (this.picked.value === null && this.hovered.value === null) this.arrangement.value = "result"; // the next pair is not begun
-        this.showsResult = false;
+        this.showsNextResult = false;
       }
       if (this.dragged.value === null && event.transform !== undefined)
         this.transform.value = event.transform;

@@ -10,12 +10,12 @@ export interface PlaneTilt {
   readonly degrees: readonly [number, number];
 }
 
-/** The largest angle of a tilt. */
-export const mostTilt = 80;
+/** The largest angle of a tilt towards one axis. */
+export const mostPlaneTiltDeg = 80;
 
 const radian = Math.PI / 180;
 
-/** Returns the tilt of a normal from `axis`, or from the axis nearest to it if it leans farther than `mostTilt`. */
+/** Returns the tilt of a normal from `axis`, or from the axis nearest to it if it leans farther than `mostPlaneTiltDeg`. */
 export function tiltOf(normal: Vector3Tuple, axis: 0 | 1 | 2): PlaneTilt {
   const from = (k: 0 | 1 | 2): PlaneTilt => {
     const along = Math.abs(normal[k]);
@@ -23,7 +23,7 @@ export function tiltOf(normal: Vector3Tuple, axis: 0 | 1 | 2): PlaneTilt {
     return { axis: k, isAlong: normal[k] >= 0, degrees: [angle(1), angle(2)] };
   };
   const tilt = from(axis);
-  if (tilt.degrees.every((angle) => Math.abs(angle) <= mostTilt + 1e-6)) return tilt;
+  if (tilt.degrees.every((angle) => Math.abs(angle) <= mostPlaneTiltDeg + 1e-6)) return tilt;
   const sizes = normal.map(Math.abs);
   return from(sizes.indexOf(Math.max(...sizes)) as 0 | 1 | 2);
 }

@@ -1,4 +1,4 @@
-import { axisNames, mostTilt } from "../../app/graft/plane_tilt";
+import { axisNames, mostPlaneTiltDeg } from "../../app/graft/plane_tilt";
 import { otherSide } from "../../app/cuts";
 import { pointerKind } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
@@ -95,7 +95,7 @@ function PlaneFields({ page }: { page: Page }) {
           step={plane.limit / 50}
           digits={3}
           value={plane.offset}
-          help="Position of the plane along its normal, from the middle."
+          help="Distance of the plane from the middle, along its normal. A tilt changes it."
           onInput={(value) => page.graft.movePlane(value)}
           onChange={(value) => page.graft.movePlane(value)}
         />
@@ -108,13 +108,13 @@ function PlaneFields({ page }: { page: Page }) {
             <Slider
               key={towards}
               label={`Tilt to ${towards}`}
-              min={-mostTilt}
-              max={mostTilt}
+              min={-mostPlaneTiltDeg}
+              max={mostPlaneTiltDeg}
               suffix="°"
               arrowStep={1}
               step={5}
               digits={3}
-              value={Math.round(10 * tilt.degrees[k]) / 10}
+              value={Math.round(100 * tilt.degrees[k]) / 100}
               help={`Turns the plane, so that its normal leans from ${axisNames[tilt.axis]} towards ${towards}.`}
               onInput={turn}
               onChange={turn}

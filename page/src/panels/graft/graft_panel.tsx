@@ -48,9 +48,7 @@ function Pairing({ page }: { page: Page }) {
   return (
     <>
       <p class="next-step">{words}</p>
-      <div class="pair-by-name">
-        <PairByName page={page} />
-      </div>
+      <PairByName page={page} />
     </>
   );
 }

@@ -18,17 +18,19 @@ export function PairByName({ page }: { page: Page }) {
   const target = graft.isEdited.value ? graft.target.value : graft.model.value;
   if (part === undefined || part.loops === 0 || target === undefined || target.loops === 0) return null;
   return (
-    <More label="Pair loops by name">
-      {parts.length > 1 && (
-        <Select
-          label="Part"
-          value={part.name}
-          choices={parts.flatMap((part) => (part === undefined ? [] : [{ value: part.name, label: part.name }]))}
-          onChange={setChosen}
-        />
-      )}
-      <LoopsToPair key={`${part.mesh} ${target.mesh}`} page={page} part={part} target={target} />
-    </More>
+    <div class="pair-by-name">
+      <More label="Pair loops by name">
+        {parts.length > 1 && (
+          <Select
+            label="Part"
+            value={part.name}
+            choices={parts.flatMap((part) => (part === undefined ? [] : [{ value: part.name, label: part.name }]))}
+            onChange={setChosen}
+          />
+        )}
+        <LoopsToPair key={`${part.mesh} ${target.mesh}`} page={page} part={part} target={target} />
+      </More>
+    </div>
   );
 }
 
@@ -41,30 +43,55 @@ function LoopsToPair({ page, part, target }: { page: Page; part: MeshObject; tar
   const free = (count: number, taken: readonly number[]) => Math.max(0, Array.from({ length: count }, (_, k) => k).findIndex((k) => !taken.includes(k)));
   const first = { mesh: part.mesh, loop: ofPart ?? free(part.loops, pairs.map(({ sourceLoop }) => sourceLoop)) };
   const second = { mesh: target.mesh, loop: ofTarget ?? free(target.loops, pairs.map(({ targetLoop }) => targetLoop)) };
+  const others = pairs.filter((pair) => (pair.sourceLoop === first.loop) !== (pair.targetLoop === second.loop));
+  const isPaired = pairs.some((pair) => pair.sourceLoop === first.loop && pair.targetLoop === second.loop);
   const pair = async () => {
     graft.hovered.value = null;
     setOfPart(undefined);
     setOfTarget(undefined);
-    await graft.pair(first, second);
-    if (!graft.isEdited.value) return; // a message says why
+    if (!(await graft.pair(first, second))) return; // a message says why
+    const replaced = others.length === 0 ? "" : " Their earlier pairs are removed.";
     const more = needsPair(graft) ? ` ${pairsToGoWords(graft)}.` : "";
     editor.announce(
-      `Loop ${first.loop + 1} of ${part.name} and loop ${second.loop + 1} of ${target.name} are paired.${more}`,
+      `Loop ${first.loop + 1} of ${part.name} and loop ${second.loop + 1} of ${target.name} are paired.${replaced}${more}`,
     );
+    focusAgain();
   };
   return (
     <>
-      <LoopChoice page={page} of={part} chosen={first} onChange={setOfPart} />
-      <LoopChoice page={page} of={target} chosen={second} onChange={setOfTarget} />
+      <LoopChoice page={page} of={part} chosen={first} paired={pairs.map((pair) => pair.sourceLoop)} onChange={setOfPart} />
+      <LoopChoice page={page} of={target} chosen={second} paired={pairs.map((pair) => pair.targetLoop)} onChange={setOfTarget} />
       <div class="buttons">
-        <Button label="Pair" icon="connected" tip="Joins the two loops." onClick={() => void pair()} />
+        <Button
+          label="Pair"
+          icon="connected"
+          tip={isPaired ? "These two are paired." : others.length === 0 ? "Joins the two loops." : "Joins the two loops in place of their earlier pairs."}
+          disabled={isPaired}
+          onClick={() => void pair()}
+        />
       </div>
     </>
   );
 }
 
+/** Focuses this block where the panel has moved it, once the page shows that. */
+function focusAgain(): void {
+  setTimeout(() => {
+    if (document.activeElement === document.body) document.querySelector<HTMLElement>(".pair-by-name .more-button")?.focus();
+  });
+}
+
+interface LoopChoiceProps {
+  page: Page;
+  of: MeshObject;
+  chosen: LoopRef;
+  /** Loops that have a pair. */
+  paired: readonly number[];
+  onChange: (loop: number) => void;
+}
+
 /** Chooses a loop of an object. It lights up in the view, and is described to screen readers. */
-function LoopChoice({ page, of, chosen, onChange }: { page: Page; of: MeshObject; chosen: LoopRef; onChange: (loop: number) => void }) {
+function LoopChoice({ page, of, chosen, paired, onChange }: LoopChoiceProps) {
   const { graft } = page.editor;
   const loops = graft.loops.value.get(of.mesh) ?? [];
   const choose = (loop: number) => {
@@ -82,10 +109,10 @@ function LoopChoice({ page, of, chosen, onChange }: { page: Page; of: MeshObject
       <Select
         label={`Loop of ${of.name}`}
         value={String(chosen.loop)}
-        choices={Array.from({ length: of.loops }, (_, loop) => ({
-          value: String(loop),
-          label: loops[loop] === undefined ? `Loop ${loop + 1}` : `Loop ${loop + 1}, ${formatNumber(loops[loop].length, 3)} around`,
-        }))}
+        choices={Array.from({ length: of.loops }, (_, loop) => {
+          const around = loops[loop] === undefined ? "" : `, ${formatNumber(loops[loop].length, 3)} around`;
+          return { value: String(loop), label: `Loop ${loop + 1}${around}${paired.includes(loop) ? ", paired" : ""}` };
+        })}
         onChange={(loop) => choose(Number(loop))}
       />
     </div>

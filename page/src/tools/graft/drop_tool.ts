@@ -66,14 +66,15 @@ export class DropTool implements Tool {
         if (this.isOverTarget(at.screenPoint)) void this.finish();
       },
       cancel: () => this.cancel(),
-      isClickByKey: true,
+      endsByOneKey: true,
     };
   }
 
-  /** Grafts the part where it is shown. */
+  /** Grafts the part where it is shown, if the pointer is over the surface. */
   confirm(): boolean {
     if (this.drop === undefined || this.graft.dropped.value === null) return false;
-    void this.finish();
+    if (this.screenPoint !== undefined && this.isOverTarget(this.screenPoint)) void this.finish();
+    else this.context.editor.announce("Beside the model. Move the part back onto it, or press Escape.");
     return true;
   }
 
