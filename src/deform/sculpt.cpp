@@ -22,7 +22,7 @@ namespace meshgraft {
 
 namespace {
 
-/// What moves, with the two rings around it, numbered anew.
+/// Holds the vertices that move and those of the two rings around them, numbered anew.
 struct SculptPatch {
   std::vector<Index> vertex;  ///< numbers in the surface
   Points points;
@@ -295,6 +295,27 @@ Points smooth_region(const SculptedSurface& surface, double strength, const Cont
   for (std::size_t k = 0; k < patch.moving.size(); ++k)
     moved.row(patch.moving[k]) += moves.row(static_cast<Eigen::Index>(k));
   return with_moved(surface, patch, moved);
+}
+
+std::vector<Index> vertices_within(const SculptedSurface& surface, std::optional<double> reach) {
+  std::vector<Index> vertices(surface.region.begin(), surface.region.end());
+  if (!reach || vertices.empty()) return vertices;
+  const std::vector<double> distance = distance_from_region(surface, *reach);
+  vertices.clear();
+  for (std::size_t v = 0; v < distance.size(); ++v)
+    if (std::isfinite(distance[v])) vertices.push_back(static_cast<Index>(v));
+  return vertices;
+}
+
+std::vector<Index> with_rings_read(const SculptedSurface& surface, std::span<const Index> vertices) {
+  Flags is_read(static_cast<std::size_t>(surface.points.rows()), 0);
+  for (const Index v : vertices) is_read[v] = 1;
+  add_ring(is_read, surface);
+  add_ring(is_read, surface);
+  std::vector<Index> read;
+  for (std::size_t v = 0; v < is_read.size(); ++v)
+    if (is_read[v] != 0) read.push_back(static_cast<Index>(v));
+  return read;
 }
 
 std::vector<double> reach_weights(const SculptedSurface& surface, double reach) {

@@ -25,6 +25,13 @@ struct SculptedSurface {
 /// component would move with s = 1, because nothing would give it a shape; Error(cancelled).
 Points smooth_region(const SculptedSurface& surface, double strength, const Context& context = {});
 
+/// Returns the vertices of the region, and those within the reach of it along edges (model units), ascending.
+std::vector<Index> vertices_within(const SculptedSurface& surface, std::optional<double> reach);
+
+/// Returns the vertices and those of the two rings of triangles around them, ascending. Moving the former reads
+/// the positions of all of these.
+std::vector<Index> with_rings_read(const SculptedSurface& surface, std::span<const Index> vertices);
+
 /// Returns how much of the movement of a region each vertex makes, 0 to 1 (n): 1 in the region, and less with
 /// the distance from it along edges (model units), down to 0 at the reach and beyond. It falls to 0 towards an
 /// open boundary, too. A reach of 0 gives the region a hard edge. Throws Error(input) for a reach below 0 or

@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/normals.h>
-#include <meshgraft/mesh/topology.h>
 #include <meshgraft/select/selection.h>
 
 #include "core/stopwatch.h"
@@ -30,39 +28,7 @@ Points sculpted(const SculptStep& step, const SculptedSurface& surface, const Co
   return surface.points;
 }
 
-// Returns the vertices of a region, and those within the step's reach of it, ascending.
-std::vector<Index> with_reach(const SculptStep& step, const SculptedSurface& surface) {
-  std::vector<Index> vertices(surface.region.begin(), surface.region.end());
-  if (!step.reach || vertices.empty()) return vertices;
-  const IndexLists rings = vertex_rings(static_cast<Index>(surface.points.rows()), surface.triangles);
-  const std::vector<double> distance =
-      edge_distance(surface.region, surface.points, rings, {.limit = *step.reach});
-  vertices.clear();
-  for (std::size_t v = 0; v < distance.size(); ++v)
-    if (std::isfinite(distance[v])) vertices.push_back(static_cast<Index>(v));
-  return vertices;
-}
-
-// Returns the vertices, and those of the two rings of triangles around them, which shaping them reads.
-std::vector<Index> with_triangles_around(const std::vector<Index>& vertices, const Triangles& triangles,
-                                         Index vertex_count) {
-  Flags is_near(vertex_count, 0);
-  for (const Index v : vertices) is_near[v] = 1;
-  for (int ring = 0; ring < 2; ++ring) {
-    const Flags before = is_near;
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-      const auto corners = triangles.row(t);
-      if (std::any_of(corners.begin(), corners.end(), [&](Index v) { return before[v] != 0; }))
-        for (const Index v : corners) is_near[v] = 1;
-    }
-  }
-  std::vector<Index> near;
-  for (Index v = 0; v < vertex_count; ++v)
-    if (is_near[v] != 0) near.push_back(v);
-  return near;
-}
-
-/// A region and its mirror image, and what moves with each.
+/// Holds a region and its mirror image, and the vertices that move with each.
 struct BothSides {
   SculptedSurface own, image;
   std::vector<Index> with_own, with_image;
@@ -128,12 +94,12 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   }
   const Triangles triangles = triangulate(mesh, {.skip_out_of_range = true}).triangles;
   BothSides sides{{mesh.positions, triangles, regions.own}, {mesh.positions, triangles, regions.image}, {}, {}};
-  sides.with_own = with_reach(step, sides.own);
-  sides.with_image = with_reach(step, sides.image);
+  sides.with_own = vertices_within(sides.own, step.reach);
+  sides.with_image = vertices_within(sides.image, step.reach);
   std::vector<Index> region;
   std::set_union(sides.with_own.begin(), sides.with_own.end(), sides.with_image.begin(), sides.with_image.end(),
                  std::back_inserter(region));
-  const std::vector<Index> read = with_triangles_around(region, triangles, mesh.vertex_count());
+  const std::vector<Index> read = with_rings_read(sides.own, region);
   require_sound(state.diagnostics, mesh, {.vertices = read, .name = state.label});
   report.seconds.select = watch.lap();
   Points moved;

@@ -1,4 +1,4 @@
-// What the page can do about the facts of the engine: a button for each remedy that names a control.
+// Gives each fact of the engine whose remedy names a control a button that does it or leads there.
 import type { FactFields, FactId } from "../facts";
 import type { PageRequest } from "../protocol";
 import type { Editor } from "./editor";
@@ -287,7 +287,7 @@ const remedies: RemedyTable = {
   "script.welded": () => changeSettings("Switch off Weld seams", { weld: false }),
 };
 
-/** What the page can do about what it notes itself. */
+/** Holds the remedies of what the page notes itself. */
 export const remedyOfPage = {
   library: showLibrary(),
   parts: showParts(),

@@ -1,4 +1,4 @@
-// What screen readers are told of the answer to each request.
+// Screen readers are told what came of each request.
 import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import { announcementOf, withoutWords } from "../../src/app/announcements";
