@@ -67,7 +67,7 @@ test("own models are large cards above the samples, recent ones first, and one s
   const cards = page.getByRole("list", { name: "Your models" }).getByRole("listitem");
   const firstWords = async () => (await cards.first().innerText()).split("\n");
   await expect.poll(() => cards.count()).toBe(10);
-  await expect.poll(() => cards.locator("img.thumbnail").count(), { timeout: 20_000 }).toBe(10);
+  await expect.poll(() => cards.locator("img.thumbnail").count()).toBe(10);
   expect((await firstWords())[0]).toBe("scan 1.ply"); // by name, as people count
   await user.screenshot("start-own-forty");
   const top = (title: string) => page.getByRole("heading", { name: title }).evaluate((one) => one.getBoundingClientRect().top);
@@ -111,7 +111,7 @@ test.each([[1280, 800, false], [800, 600, false], [800, 600, true]])(
         const { user } = own;
         const { page } = user;
         const cards = page.getByRole("list", { name: "Your models" }).locator("img.thumbnail");
-        await expect.poll(() => cards.count(), { timeout: 20_000 }).toBe(Math.min(10, count));
+        await expect.poll(() => cards.count()).toBe(Math.min(10, count));
         await page.waitForFunction(() => [...document.querySelectorAll<HTMLImageElement>(".start img")].every((one) => one.complete));
         expect(await cutOff(user, ".start")).toEqual([]);
         expect(await page.locator(".start").evaluate((start) => start.scrollWidth - start.clientWidth)).toBe(0);

@@ -179,10 +179,17 @@ test("a finger scrolls the part library, and drags a part sideways onto the surf
     return [box.x + box.width / 2, box.y + box.height / 2];
   };
   const isSeen = ([, y]: Point) => y > 80 && y < 560;
+  await user.rests();
   const before = await middleOf("Add head");
   expect(isSeen(before)).toBe(true);
   await swipe(before, [0, -120]);
   await expect.poll(async () => before[1] - (await middleOf("Add head"))[1]).toBeGreaterThan(60);
+  const stands = async () => {
+    const [, y] = await middleOf("Add head");
+    await user.rests();
+    return (await middleOf("Add head"))[1] === y;
+  };
+  await expect.poll(stands).toBe(true); // a finger that comes down while the list still moves only stops it
   expect(await page.evaluate(() => window.meshgraft.editor.graft.parts.value.length)).toBe(0);
 
   const at = await middleOf("Add octopus");
