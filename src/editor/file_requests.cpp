@@ -1,5 +1,6 @@
 // Requests that concern files.
 #include <algorithm>
+#include <deque>
 #include <fstream>
 #include <memory>
 #include <system_error>
@@ -157,6 +158,46 @@ Json write_outcome(Workspace& workspace, const MeshToWrite& what, const Context&
   return written_json(write_mesh(result.mesh, what.file, options, context));
 }
 
+// The contents of a folder by their paths from it. `whole` is false where there are too many.
+struct Contents {
+  std::vector<fs::path> folders, files;
+  bool whole = true;
+};
+
+// Reads a folder and, if `deep`, all folders within: the nearest first, then by name. Folders within that
+// cannot be read count as empty, and so do symbolic links to folders, which may lead round in circles. Throws
+// fs::filesystem_error if the folder itself cannot be read.
+Contents contents_of(const fs::path& folder, bool deep, const Context& context) {
+  Contents contents;
+  std::size_t room = most_entries;
+  std::deque<fs::path> unread = {fs::path()};
+  for (; !unread.empty() && contents.whole; unread.pop_front()) {
+    context.throw_if_stopped();
+    const fs::path within = unread.front();
+    std::error_code unreadable;
+    fs::directory_iterator next(folder / within, unreadable);
+    if (unreadable && within.empty()) throw fs::filesystem_error("list", folder, unreadable);
+    std::vector<fs::directory_entry> entries;
+    for (; !unreadable && next != fs::directory_iterator(); next.increment(unreadable))
+      if (is_listed(next->path().filename().string())) entries.push_back(*next);
+    std::sort(entries.begin(), entries.end());
+    contents.whole = entries.size() <= room;
+    entries.resize(std::min(entries.size(), room));
+    room -= entries.size();
+    for (const fs::directory_entry& entry : entries) {
+      const fs::path path = within / entry.path().filename();
+      std::error_code ignored;
+      if (entry.is_directory(ignored)) {
+        if (within.empty()) contents.folders.push_back(path);
+        if (deep && !entry.is_symlink(ignored)) unread.push_back(path);
+      } else if (entry.is_regular_file(ignored) && (is_mesh(entry.path()) || is_edit(entry.path()))) {
+        contents.files.push_back(path);
+      }
+    }
+  }
+  return contents;
+}
+
 }  // namespace
 
 void Worker::show(std::unique_ptr<Workspace> workspace) {
@@ -236,28 +277,26 @@ Json Worker::open(const json::Value& message, const Context& context) {
   return {{"name", workspace_->source().name}, {"notes", file_notes_json(notes)}};
 }
 
-Json Worker::list(const json::Value& message, const Context&) {
-  const json::Object fields(message, {"id", "do", "folder"});
-  Json folders = Json::array(), files = Json::array();
-  if (!fields.has("folder")) return {{"folder", nullptr}, {"folders", folders_json(shared_)}, {"files", files}};
+Json Worker::list(const json::Value& message, const Context& context) {
+  const json::Object fields(message, {"id", "do", "folder", "deep"});
+  if (!fields.has("folder"))
+    return {{"folder", nullptr}, {"folders", folders_json(shared_)}, {"files", Json::array()}, {"whole", true}};
   const fs::path folder = shared_.folders.inside(fields.required("folder").name());
-  std::vector<fs::directory_entry> entries;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entries.size() < most_entries && is_listed(entry.path().filename().string())) entries.push_back(entry);
-  std::sort(entries.begin(), entries.end());
-  for (const auto& entry : entries) {
+  bool deep = false;
+  fields.optional("deep", [&](const json::Value& v) { deep = v.boolean(); });
+  const auto [folders, files, whole] = contents_of(folder, deep, context);
+  Json folder_names = Json::array(), listed = Json::array();
+  for (const fs::path& one : folders) folder_names.push_back(one.string());
+  for (const fs::path& one : files) {
     std::error_code ignored;
-    const std::string name = entry.path().filename().string();
-    if (entry.is_directory(ignored))
-      folders.push_back(name);
-    else if (entry.is_regular_file(ignored) && (is_mesh(entry.path()) || is_edit(entry.path())))
-      files.push_back({{"name", name},
-                       {"kind", is_mesh(entry.path()) ? "model" : "edit"},
-                       {"bytes", entry.file_size(ignored)},
-                       {"unsaved", !(workspace_ && workspace_->is_saved(entry.path())) &&
-                                       fs::exists(journal_of(entry.path()), ignored)}});
+    const fs::path path = folder / one;
+    listed.push_back(
+        {{"name", one.generic_string()},
+         {"kind", is_mesh(path) ? "model" : "edit"},
+         {"bytes", fs::file_size(path, ignored)},
+         {"unsaved", !(workspace_ && workspace_->is_saved(path)) && fs::exists(journal_of(path), ignored)}});
   }
-  return {{"folder", folder.string()}, {"folders", folders}, {"files", files}};
+  return {{"folder", folder.string()}, {"folders", folder_names}, {"files", listed}, {"whole", whole}};
 }
 
 Json Worker::add_folder(const json::Value& message, const Context&) {

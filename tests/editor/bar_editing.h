@@ -39,9 +39,9 @@ inline std::string saved(Page& page, const std::filesystem::path& file) {
   return read_file(file);
 }
 
-inline std::filesystem::path bar_file(const TemporaryFolder& folder) {
-  write_mesh(make_sample("bar", 16), folder / "bar.ply");
-  return folder / "bar.ply";
+inline std::filesystem::path bar_file(const TemporaryFolder& folder, const char* name = "bar.ply") {
+  write_mesh(make_sample("bar", 16), folder / name);
+  return folder / name;
 }
 
 }  // namespace meshgraft::test

@@ -1,5 +1,6 @@
 // The engine opens, saves and replaces files of its folders, and no others.
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -113,6 +114,33 @@ TEST(Editor, OpensAnEditFileAndWhatBelongsToIt) {
   const Json state = other.event("state");
   EXPECT_EQ(state["handles"][0]["name"], "top");
   EXPECT_EQ(other.exact(1), shown);
+}
+
+TEST(Editor, ListsTheFilesOfFoldersWithinTheNearestFirst) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "lamps" / "old");
+  fs::create_directories(folder / ".hidden");
+  for (const char* name : {"b.ply", "lamps/a.ply", "lamps/old/c.ply", ".hidden/d.ply"}) bar_file(folder, name);
+  fs::create_directory_symlink(folder.path(), folder / "lamps" / "round");
+  const RunningEditor editor({folder.path()});
+  Page page(editor.url());
+  const auto names_of = [](const Json& listed) {
+    std::vector<std::string> names;
+    for (const Json& file : listed["files"]) names.push_back(file["name"]);
+    return names;
+  };
+  const Json flat = page.ask({{"do", "list"}, {"folder", folder.path().string()}});
+  EXPECT_EQ(names_of(flat), std::vector<std::string>{"b.ply"});
+  const Json deep = page.ask({{"do", "list"}, {"folder", folder.path().string()}, {"deep", true}});
+  EXPECT_EQ(names_of(deep), (std::vector<std::string>{"b.ply", "lamps/a.ply", "lamps/old/c.ply"}));
+  EXPECT_EQ(deep["folders"], Json({"lamps"}));
+  EXPECT_EQ(deep["whole"], true);
+
+  fs::create_directory(folder / "lamps" / "many");
+  for (int i = 0; i < 10'000; ++i) std::ofstream(folder / "lamps" / "many" / std::to_string(i));
+  const Json cut = page.ask({{"do", "list"}, {"folder", folder.path().string()}, {"deep", true}});
+  EXPECT_EQ(names_of(cut), (std::vector<std::string>{"b.ply", "lamps/a.ply"}));
+  EXPECT_EQ(cut["whole"], false);
 }
 
 TEST(Editor, SavesWhichMethodsMadeAnEditAndTellsOfOthers) {

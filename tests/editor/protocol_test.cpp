@@ -28,7 +28,7 @@ void ask_all_of_deforming(Page& page, const fs::path& model) {
   const Json turn = {{"rotate", {{"axis", {1, 0, 0}}, {"angle_deg", 40}}}, {"translate", {0.1, 0, 0}}};
   page.ask({{"do", "list"}});
   page.ask({{"do", "add-folder"}, {"path", model.parent_path().string()}});
-  page.ask({{"do", "list"}, {"folder", model.parent_path().string()}});
+  page.ask({{"do", "list"}, {"folder", model.parent_path().string()}, {"deep", true}});
   page.ask({{"do", "open"}, {"path", model.string()}});
   page.ask({{"do", "select"}, {"how", "set"}, {"what", {{"flood", {{"vertex", 0}, {"angle_deg", 30}}}}}});
   page.ask({{"do", "select"}, {"how", "grow"}, {"rings", 1}});

@@ -1,7 +1,7 @@
 import { signal, type Signal } from "@preact/signals";
 import type { Outcome } from "../engine/connection";
 import type { EngineEvent, PageRequest } from "../protocol";
-import { joined } from "./paths";
+import { isWithin, joined } from "./paths";
 import type { PageRemedy } from "./remedies";
 import { RememberedList } from "./remembered";
 import type { Failure } from "./wording";
@@ -42,7 +42,7 @@ export class Folders {
   forget(path: string): void {
     added.remove(path);
     this.setFolders((folders) => folders.filter((one) => one !== path));
-    if (`${this.ofParts.value ?? ""}/`.startsWith(joined(path, ""))) this.ofParts.value = null;
+    if (this.ofParts.value !== null && isWithin(path, this.ofParts.value)) this.ofParts.value = null;
   }
 
   /** Adds the folders of earlier sessions. Those that are not there now, such as on another disk, are left out. */

@@ -15,6 +15,10 @@ export function folderOf(path: string): string {
 export function joined(folder: string, name: string): string {
   return folder.endsWith("/") ? folder + name : `${folder}/${name}`;
 }
+/** Returns whether a folder is or contains this path, at any depth. */
+export function isWithin(folder: string, path: string): boolean {
+  return path === folder || path.startsWith(joined(folder, ""));
+}
 export function stemOf(name: string): string {
   const base = baseName(name);
   const dot = base.lastIndexOf(".");

@@ -10,21 +10,40 @@ import { Icon } from "./ui/icon";
 
 const mostUnasked = 10; // own models that are shown at once
 
-/** The models and edit files of the user as large cards, those that were opened last first. */
-export function OwnModels({ page, isFound }: { page: Page; isFound: (name: string) => boolean }) {
+/** The user's own models and edit files that are found. */
+export interface FoundModels {
+  readonly paths: readonly string[];
+  readonly recent: readonly string[];
+  readonly unsaved: ReadonlySet<string>;
+}
+
+/** Returns the user's own models and edit files whose names are found, in the order in which they are shown. */
+export function useOwnModels(page: Page, isFound: (name: string) => boolean): FoundModels {
   const welcome = page.editor.welcome.value;
   const folders = welcome?.folders ?? [];
   const files = useFilesOf(page, folders);
-  const unsaved = new Set(files.files.filter((file) => file.unsaved).map(({ path }) => path));
+  const recent = recentIn(folders, []);
+  return {
+    paths: ownModels(recent, welcome?.models ?? [], files, isFound),
+    recent,
+    unsaved: new Set(files.files.filter((file) => file.unsaved).map(({ path }) => path)),
+  };
+}
+
+/** Opens a model. Who works by keys goes on in the view, because the card or field that has the focus disappears. */
+export async function openFromStart(page: Page, request: OpenRequest, byKeys: boolean): Promise<void> {
+  if ((await page.editor.open(request)) && byKeys) page.viewport.canvas.focus();
+}
+
+/** The models and edit files of the user as large cards, those that were opened last first. */
+export function OwnModels({ page, own: { paths, recent, unsaved } }: { page: Page; own: FoundModels }) {
   const [all, setAll] = useState(false);
   const list = useRef<HTMLUListElement>(null);
   useLayoutEffect(() => {
     if (all) list.current?.children[mostUnasked]?.querySelector("button")?.focus(); // the button that had it is gone
   }, [all]);
-  const recent = recentIn(folders, []);
-  const own = ownModels(recent, welcome?.models ?? [], files).filter((path) => isFound(baseName(path)));
-  if (own.length === 0) return null;
-  const shown = all ? own : own.slice(0, mostUnasked);
+  if (paths.length === 0) return null;
+  const shown = all ? paths : paths.slice(0, mostUnasked);
   return (
     <>
       <h2>Your models</h2>
@@ -42,14 +61,17 @@ export function OwnModels({ page, isFound }: { page: Page; isFound: (name: strin
           />
         ))}
       </ul>
-      {shown.length < own.length && <Button label={`Show all ${own.length}`} kind="quiet" onClick={() => setAll(true)} />}
+      {shown.length < paths.length && (
+        <Button label={`Show all ${paths.length}`} kind="quiet" onClick={() => setAll(true)} />
+      )}
     </>
   );
 }
 
+type Sample = NonNullable<Page["editor"]["welcome"]["value"]>["samples"][number];
+
 /** The built-in models. */
-export function Samples({ page, isFound }: { page: Page; isFound: (name: string) => boolean }) {
-  const samples = (page.editor.welcome.value?.samples ?? []).filter(({ name, description }) => isFound(`${name} ${description}`));
+export function Samples({ page, samples }: { page: Page; samples: readonly Sample[] }) {
   if (samples.length === 0) return null;
   return (
     <>
@@ -63,21 +85,24 @@ export function Samples({ page, isFound }: { page: Page; isFound: (name: string)
   );
 }
 
-const noFiles: OwnFiles = { read: [], files: [] };
+const noFiles: OwnFiles = { whole: [], files: [] };
 
-/** Returns the files of these folders, without those of folders within. */
+/** Returns the files of these folders and of those within. */
 function useFilesOf(page: Page, folders: readonly string[]): OwnFiles {
   const [found, setFound] = useState(noFiles);
   useEffect(() => {
     let wanted = true;
     const list = async (folder: string): Promise<OwnFiles> => {
-      const answer = await page.editor.attempt({ do: "list", folder });
+      const answer = await page.editor.attempt({ do: "list", folder, deep: true });
       if ("code" in answer) return noFiles;
       const entries = (answer.files ?? []).filter((file) => typeof file !== "string");
-      return { read: [folder], files: entries.map(({ name, unsaved }) => ({ path: joined(folder, name), unsaved })) };
+      return {
+        whole: answer.whole === true ? [folder] : [],
+        files: entries.map(({ name, unsaved }) => ({ path: joined(folder, name), name, unsaved })),
+      };
     };
     void Promise.all(folders.map(list)).then((lists) => {
-      if (wanted) setFound({ read: lists.flatMap(({ read }) => read), files: lists.flatMap(({ files }) => files) });
+      if (wanted) setFound({ whole: lists.flatMap(({ whole }) => whole), files: lists.flatMap(({ files }) => files) });
     });
     return () => {
       wanted = false;
@@ -106,7 +131,7 @@ function Card({ page, request, name, detail, tip, unsaved = false, size }: CardP
         class="card"
         data-sample={request.sample}
         data-tip={tip}
-        onClick={() => void page.editor.open(request)}
+        onClick={(event) => void openFromStart(page, request, event.detail === 0)}
       >
         <CardPicture page={page} request={request} size={size} />
         <span>

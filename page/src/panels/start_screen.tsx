@@ -2,9 +2,10 @@ import type { RefObject } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { isFoundBy } from "../app/own_models";
 import type { Page } from "../app/page";
+import { counted } from "../app/units";
 import { takeFile } from "./drop";
 import { FolderBrowser, useListing } from "./folder_browser";
-import { OwnModels, Samples } from "./start_models";
+import { openFromStart, OwnModels, Samples, useOwnModels } from "./start_models";
 import { Button } from "./ui/button";
 import { Icon, Mark } from "./ui/icon";
 
@@ -13,6 +14,14 @@ export function StartScreen({ page }: { page: Page }) {
   const { editor } = page;
   const [search, setSearch] = useState("");
   const isFound = isFoundBy(search);
+  const own = useOwnModels(page, isFound);
+  const samples = (editor.welcome.value?.samples ?? []).filter(({ name, description }) => isFound(`${name} ${description}`));
+  const openFirst = () => {
+    const [path] = own.paths;
+    const [sample] = samples;
+    if (search.trim() === "" || (path === undefined && sample === undefined)) return;
+    void openFromStart(page, path === undefined ? { do: "open", sample: sample!.name } : { do: "open", path }, true);
+  };
   const screen = useRef<HTMLDivElement>(null);
   const hasMore = useMoreBelow(screen);
   const opening = [...editor.working.value.values()].find(({ label }) => label === "Opening");
@@ -31,15 +40,18 @@ export function StartScreen({ page }: { page: Page }) {
             placeholder="Search models and samples"
             value={search}
             onInput={(event) => setSearch(event.currentTarget.value)}
+            onKeyDown={(event) => event.key === "Enter" && openFirst()}
           />
         </div>
+        <p class="start-found" role="status">
+          {search.trim() !== "" && foundWords(own.paths.length + samples.length)}
+        </p>
         <div class="start-columns">
           <div class="start-own">
-            <OwnModels page={page} isFound={isFound} />
+            <OwnModels page={page} own={own} />
           </div>
           <div class="start-samples">
-            <Samples page={page} isFound={isFound} />
-            <p class="nothing">Nothing has this name.</p>
+            <Samples page={page} samples={samples} />
           </div>
           <div class="start-files">
             <h2>From this computer</h2>
@@ -59,6 +71,10 @@ export function StartScreen({ page }: { page: Page }) {
       )}
     </div>
   );
+}
+
+function foundWords(found: number): string {
+  return found === 0 ? "Nothing has this name." : `${counted(found, "model")} found. Enter opens the first.`;
 }
 
 /** Returns whether an element can be scrolled farther down. */

@@ -83,11 +83,14 @@ test("own models are large cards above the samples, recent ones first, and one s
   expect(await cards.count()).toBe(0);
   await page.getByRole("list", { name: "Samples" }).getByText("octopus").first().waitFor();
   await search.fill("no such");
-  await page.getByText("Nothing has this name.").waitFor();
+  await page.getByRole("status").getByText("Nothing has this name.").waitFor();
   await user.screenshot("start-search");
   await search.fill("scan 3.");
-  await cards.first().click();
+  await page.getByRole("status").getByText("4 models found. Enter opens the first.").waitFor();
+  await user.screenshot("start-found");
+  await search.press("Enter");
   await user.opened();
+  await page.waitForFunction(() => document.activeElement === window.meshgraft.viewport.canvas);
   await page.evaluate(() => sessionStorage.removeItem(`meshgraft open ${location.pathname}`)); // or else the model is opened again
   await page.reload();
   await user.ready();
@@ -127,6 +130,26 @@ test.each([[1280, 800, false], [800, 600, false], [800, 600, true]])(
   },
   120_000,
 );
+
+test("models of folders within have cards, after those of the folder itself", async () => {
+  const own = await EditorHarness.open({ files: { "scan.ply": ["bar", "--resolution", "8"] } });
+  const { user } = own;
+  const { page } = user;
+  const cards = page.getByRole("list", { name: "Your models" }).getByRole("listitem");
+  await expect.poll(() => cards.count()).toBe(1);
+  mkdirSync(own.folder.file("lamps/old"), { recursive: true });
+  putSample(["bar", "--resolution", "8"], own.folder.file("lamps/old/a lamp.ply"));
+  await page.evaluate(() => ++window.meshgraft.editor.filesWritten.value);
+  await expect.poll(() => cards.allInnerTexts()).toEqual([expect.stringMatching(/^scan.ply/), "a lamp.ply\nold"]);
+  await page.getByRole("searchbox", { name: "Search models and samples" }).fill("lamps");
+  await expect.poll(() => cards.count()).toBe(1);
+  await user.screenshot("start-within");
+  await cards.first().getByRole("button").press("Enter");
+  await user.opened();
+  await page.waitForFunction(() => document.activeElement === window.meshgraft.viewport.canvas);
+  expect(user.complaints).toEqual([]);
+  await own.close();
+}, 60_000);
 
 test("folders are entered, and their models have pictures", async () => {
   const folder = await EditorHarness.open();

@@ -1,17 +1,26 @@
 import { expect, test } from "vitest";
 import { isFoundBy, ownModels } from "../../src/app/own_models";
 
-const file = (path: string) => ({ path, unsaved: false });
-const files = { read: ["/m"], files: [file("/m/part 10.ply"), file("/m/part 2.ply"), file("/m/a.json")] };
+const files = (...names: string[]) => names.map((name) => ({ path: `/m/${name}`, name, unsaved: false }));
+const folder = { whole: ["/m"], files: files("part 10.ply", "lamps/a lamp.ply", "part 2.ply", "a.json") };
+const any = () => true;
 
 test("own models are the recent ones, those of the command line, then those of the folders by name, each once", () => {
-  expect(ownModels(["/m/part 10.ply"], ["/m/a.json", "/other/b.ply"], files)).toEqual([
-    "/m/part 10.ply", "/m/a.json", "/other/b.ply", "/m/part 2.ply",
+  expect(ownModels(["/m/part 10.ply"], ["/m/a.json", "/other/b.ply"], folder, any)).toEqual([
+    "/m/part 10.ply", "/m/a.json", "/other/b.ply", "/m/part 2.ply", "/m/lamps/a lamp.ply",
   ]);
 });
 
-test("a recent file that is gone is left out, where its folder could be read", () => {
-  expect(ownModels(["/m/gone.ply", "/m/within/c.ply"], [], { read: ["/m"], files: [] })).toEqual(["/m/within/c.ply"]);
+test("a search finds names, and names of folders within", () => {
+  expect(ownModels(["/n/lamp.ply"], [], folder, isFoundBy("lamp"))).toEqual(["/n/lamp.ply", "/m/lamps/a lamp.ply"]);
+  expect(ownModels([], [], folder, isFoundBy("lamps"))).toEqual(["/m/lamps/a lamp.ply"]);
+  expect(ownModels([], [], folder, isFoundBy("m"))).toEqual(["/m/lamps/a lamp.ply"]); // not the folder that was listed
+});
+
+test("a recent file that is gone is left out, where all files of its folder are known", () => {
+  const recent = ["/m/gone.ply", "/m/within/gone.ply", "/n/unknown.ply"];
+  expect(ownModels(recent, [], { whole: ["/m"], files: [] }, any)).toEqual(["/n/unknown.ply"]);
+  expect(ownModels(recent, [], { whole: [], files: [] }, any)).toEqual(recent);
 });
 
 test("a search ignores case, accents and the order of words", () => {

@@ -3,7 +3,7 @@ import type { PartSource } from "../../app/graft/graft";
 import type { Pictured } from "../../app/library";
 import { forFingers } from "../../app/pointer_kind";
 import type { Page } from "../../app/page";
-import { baseName, joined } from "../../app/paths";
+import { baseName, isWithin, joined } from "../../app/paths";
 import { AddFolder } from "../add_folder";
 import { takePartFile } from "../drop";
 import { useListing } from "../folder_browser";
@@ -27,7 +27,7 @@ export function PartLibrary({ page }: { page: Page }) {
   const roots = welcome?.folders ?? [];
   const { ofParts } = editor.folders;
   const folder = ofParts.value;
-  const isIn = (root: string) => folder === root || folder?.startsWith(joined(root, "")) === true;
+  const isIn = (root: string) => folder !== null && isWithin(root, folder);
   const root = roots.filter(isIn).sort((a, b) => b.length - a.length)[0];
   const input = useRef<HTMLInputElement>(null);
   return (
