@@ -1,5 +1,6 @@
 import { Plane, Quaternion, Vector3 } from "three";
 import type { Editor } from "../app/editor";
+import { pageBox } from "../view/page_box";
 import type { Viewport } from "../view/viewport";
 import type { ScreenCamera, ScreenPoint } from "./screen_camera";
 import { ClearBars } from "./clear_bars";
@@ -275,7 +276,7 @@ export class Gizmo {
     });
     const centre = this.camera.project(centreOf(placement));
     const stays = this.editor.tools.movesPivot.value || centre.behind;
-    this.shiftedBy = stays ? { x: 0, y: 0 } : gizmoShift(centre, this.scale, canvas.getBoundingClientRect());
+    this.shiftedBy = stays ? { x: 0, y: 0 } : gizmoShift(centre, this.scale, pageBox(canvas));
   }
 
   // Finds the parts that the model hides, and moves bars off the others, while the view is at rest.

@@ -7,6 +7,8 @@ export class Status {
   private readonly back = svg("rect", { rx: 6, height: 25 });
   private readonly element = svg("g", { class: "tool-status", display: "none" }, this.back, this.text);
 
+  private measured = { shape: "", width: 18 };
+
   constructor(private readonly overlay: SVGSVGElement) {
     overlay.append(this.element);
   }
@@ -15,12 +17,19 @@ export class Status {
     overlayLast(this.overlay, this.element);
     show(this.element, true);
     if (this.text.textContent !== words) this.text.textContent = words;
-    const width = this.text.getComputedTextLength() + 18;
+    const width = this.widthOf(words);
     set(this.back, { width });
     const [at] = onOverlay(this.overlay, [{ x: x + 22, y: y + 22 }]) as [ScreenPoint];
     const left = Math.max(4, Math.min(at.x, this.overlay.clientWidth - width - 4));
     const top = Math.max(4, Math.min(at.y, this.overlay.clientHeight - 30));
     set(this.element, { transform: `translate(${left} ${top})` });
+  }
+
+  // All digits are as wide (tabular-nums), so that numbers which count up are not measured each time.
+  private widthOf(words: string): number {
+    const shape = words.replace(/\d/g, "0");
+    if (shape !== this.measured.shape) this.measured = { shape, width: this.text.getComputedTextLength() + 18 };
+    return this.measured.width;
   }
 
   /** What it says now; empty if nothing. */

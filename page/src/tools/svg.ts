@@ -1,3 +1,4 @@
+import { pageBox } from "../view/page_box";
 import type { ScreenPoint } from "./screen_camera";
 
 type Value = string | number | undefined;
@@ -33,6 +34,6 @@ export function linesThrough(screenPoints: readonly ScreenPoint[], closed = fals
 
 /** Converts points of the page to points of the overlay. */
 export function onOverlay(overlay: SVGSVGElement, screenPoints: readonly ScreenPoint[]): ScreenPoint[] {
-  const { left, top } = overlay.getBoundingClientRect();
+  const { left, top } = pageBox(overlay);
   return screenPoints.map(({ x, y }) => ({ x: x - left, y: y - top }));
 }

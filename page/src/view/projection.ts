@@ -2,6 +2,7 @@ import { Matrix4, Ray, Vector2, Vector3, type OrthographicCamera, type Perspecti
 import type { Navigation } from "./navigation";
 import type { Surface } from "./surface/surface";
 import type { ScreenProjector } from "./picking/visibility";
+import { pageBox } from "./page_box";
 
 /** Projects world points to the page, and points of the page to rays. */
 export class Projection {
@@ -14,7 +15,7 @@ export class Projection {
     return this.navigation.camera;
   }
   private box(): DOMRect {
-    return this.canvas().getBoundingClientRect();
+    return pageBox(this.canvas());
   }
 
   /** Returns the world length of a CSS pixel at the depth of `point`. */
