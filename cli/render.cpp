@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "commands.h"
 #include "outputs.h"
 #include "picture.h"
+#include "render/facts.h"
 
 namespace meshgraft::cli {
 
@@ -34,6 +36,14 @@ render::RenderOptions render_options_of(const RenderArguments& arguments, const 
   return options;
 }
 
+// Throws Error(input) at the file unless a face of the mesh can be shown.
+void require_face(const Mesh& mesh, const std::filesystem::path& file) {
+  const auto is_finite = [&](Index vertex) { return mesh.positions.row(vertex).allFinite(); };
+  for (Index face = 0; face < mesh.face_count(); ++face)
+    if (std::ranges::all_of(mesh.faces[face], is_finite)) return;
+  throw Error(facts::render::NoFace{}, file);
+}
+
 void run_render(const RenderArguments& arguments, Context context) {
   context.threads = arguments.threads;
   context.memory = arguments.memory;
@@ -45,6 +55,7 @@ void run_render(const RenderArguments& arguments, Context context) {
   std::vector<std::string> captions;
   for (const std::filesystem::path& path : arguments.meshes) {
     meshes.push_back(read_mesh(path, context));
+    require_face(meshes.back(), path);
     captions.push_back(path.stem().string());
   }
   std::vector<const Mesh*> shown;

@@ -172,6 +172,16 @@ TEST_F(CommandLine, PicturesTakeAView) {
   EXPECT_NE(picture(merge, "a.png"), picture(merge + " --from 0 0.1 1 --up 0 1 0", "b.png"));
 }
 
+TEST_F(CommandLine, RenderNamesTheFileThatHasNoFaceToShow) {
+  if (run("render --help").status != 0) GTEST_SKIP() << "built without the renderer";
+  write("hollow.obj", "v nan 0 0\nv 0 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Outcome outcome = run("render sheet.obj hollow.obj -o a.png");
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_NE(outcome.err.find("hollow.obj: there is no face to make a picture of"), std::string::npos)
+      << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.png"));
+}
+
 // A picture shows a model as it stands, and so does that of its edit. `--up` wins.
 TEST_F(CommandLine, PicturesStandAsTheModelDoes) {
   if (run("render --help").status != 0) GTEST_SKIP() << "built without the renderer";
