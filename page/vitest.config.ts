@@ -6,7 +6,7 @@ export default defineConfig({
     include: ["tests/**/*.test.ts"],
     testTimeout: 120_000,
     hookTimeout: 60_000,
-    expect: { poll: { timeout: 20_000 } }, // a loaded machine takes its time
+    expect: { poll: { timeout: 20_000 } },
     fileParallelism: false,
     // One process for all files of a run, which start the browser once.
     pool: "forks",

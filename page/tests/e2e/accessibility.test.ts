@@ -107,7 +107,7 @@ test.each([false, true])("axe-core finds nothing in the guided tour (dark: %s)",
   await user.page.getByRole("button", { name: "Next" }).click(); // a button that is off
   await user.page.getByRole("dialog", { name: "Change it, and accept it" }).waitFor();
   expect(await violationsOf(user), "a later bubble").toEqual([]);
-}, 60_000);
+});
 
 test.each([false, true])("axe-core finds nothing on defects, the question of the unit and an offer to restore (dark: %s)", async (dark) => {
   const port = await freePort();
@@ -144,7 +144,7 @@ test.each([false, true])("axe-core finds nothing on defects, the question of the
   await page.getByText("Restore unsaved work?").waitFor();
   await check("an offer to restore");
   await user.screenshot(`accessible-restore-${dark ? "dark" : "light"}`);
-}, 120_000);
+});
 
 test.each([false, true])("axe-core finds nothing where several rotations are to choose from (dark: %s)", async (dark) => {
   harness = await EditorHarness.open({ dark });
@@ -157,7 +157,7 @@ test.each([false, true])("axe-core finds nothing where several rotations are to 
   await user.rests();
   expect(await violationsOf(user)).toEqual([]);
   await user.screenshot(`accessible-rotations-${dark ? "dark" : "light"}`);
-}, 60_000);
+});
 
 /** Returns what is read out to those who do not see the page. */
 const announced = ({ page }: User) => page.getByRole("status", { name: "What was done" }).innerText();
@@ -208,7 +208,7 @@ test("the surface is picked, painted and posed by the arrow keys", async () => {
   await user.rests();
   expect(await camera()).not.toEqual(before);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("the view cube is one stop of the tab key, with six names", async () => {
   harness = await EditorHarness.open();
@@ -232,7 +232,7 @@ test("the view cube is one stop of the tab key, with six names", async () => {
   await page.keyboard.press("Tab");
   expect(await page.evaluate(() => document.activeElement?.closest(".view-cube") ?? null)).toBeNull();
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("whatever tab comes to shows that it has the focus", async () => {
   harness = await EditorHarness.open();
@@ -255,4 +255,4 @@ test("whatever tab comes to shows that it has the focus", async () => {
     if (unseen !== "") hidden.push(unseen);
   }
   expect(hidden).toEqual([]);
-}, 60_000);
+});

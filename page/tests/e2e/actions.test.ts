@@ -50,7 +50,7 @@ test("a nose is made bigger in five actions", async () => {
   await user.settle();
   expect(JSON.stringify((await poseOf(user))?.scale)).toMatch(/1\.[2-9]|[2-9]\./);
   await after(5, opened);
-}, 120_000);
+});
 
 test("an arm is moved and bent in five actions", async () => {
   const opened = await open();
@@ -69,7 +69,7 @@ test("an arm is moved and bent in five actions", async () => {
   expect(pose?.translate).toBeDefined();
   expect(Math.abs(pose?.rotate?.angle_deg ?? 0)).toBeGreaterThan(5);
   await after(5, opened);
-}, 120_000);
+});
 
 test("a head is grafted on a bust in four actions", async () => {
   const opened = await open();
@@ -80,7 +80,7 @@ test("a head is grafted on a bust in four actions", async () => {
   await accept(opened);
   await after(4, opened);
   expect(await saved(opened.harness)).toMatchObject({ ...watertight, euler_characteristic: 2 });
-}, 120_000);
+});
 
 /** Writes a closed cone, the point up. */
 function writeHorn(file: string): void {
@@ -137,4 +137,4 @@ test("a closed horn is grafted on a closed head in five actions", async () => {
   await accept(opened);
   await after(5, opened);
   expect(await saved(harness)).toMatchObject({ ...watertight, euler_characteristic: 2 });
-}, 120_000);
+});

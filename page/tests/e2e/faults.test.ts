@@ -12,7 +12,6 @@ afterEach(async () => {
 
 async function start(options: HarnessOptions = {}) {
   harness = await EditorHarness.open(options);
-  harness.user.page.setDefaultTimeout(20_000);
   return { harness, user: harness.user, folder: harness.folder };
 }
 
@@ -57,7 +56,6 @@ test("two tabs: each has its own session, and neither loses what the other does"
   await moveUp(one, 1);
 
   const two = await harness.tab();
-  two.page.setDefaultTimeout(20_000);
   await two.opened();
   expect(await two.page.evaluate(() => window.meshgraft.editor.state.value?.handles)).toEqual([]);
   expect(await two.page.evaluate(() => window.meshgraft.editor.offer.value)).toBeNull(); // tab one has it
@@ -134,7 +132,7 @@ test("an engine killed in mid-drag: the page says what to do, and the next one r
   expect((await poseOf(user))?.translate).toEqual([0, 0, 1]);
   // Requests are reset while the killed engine's socket closes, and refused afterwards.
   expect(user.complaints.filter((text) => !/ERR_CONNECTION_(REFUSED|RESET)|WebSocket|403/.test(text))).toEqual([]);
-}, 120_000);
+});
 
 test("a full disk is told with a remedy, and the work is kept", async () => {
   const { harness, user, folder } = await start({
@@ -166,7 +164,7 @@ test("a full disk is told with a remedy, and the work is kept", async () => {
   expect(Math.max(...positionsOf(folder.file("after.obj")))).toBeGreaterThan(
     Math.max(...positionsOf(folder.file("bar.obj"))) + 1,
   );
-}, 120_000);
+});
 
 test("a model that is replaced while it is open is told of when saving", async () => {
   const { harness, user, folder } = await start({ models: bar });
@@ -180,7 +178,7 @@ test("a model that is replaced while it is open is told of when saving", async (
   expect(await page.evaluate(() => window.meshgraft.editor.state.value?.model.vertices)).toBe(
     positionsOf(folder.file("rest.obj")).length / 3,
   );
-}, 120_000);
+});
 
 test("a dropped file of 2 GB is refused at once, and nobody's memory grows", async () => {
   const { harness, user, folder } = await start();
@@ -209,7 +207,7 @@ test("a dropped file of 2 GB is refused at once, and nobody's memory grows", asy
   expect(await page.getByRole("alert").textContent()).toMatch(/Add its folder under Folders/);
   await user.click("Close the message");
   await harness.openSample("bar", 8);
-}, 120_000);
+});
 
 test("a second model on the command line is shown beside the first one as a part", async () => {
   const { harness, user, folder } = await start({
@@ -237,7 +235,7 @@ test("a second model on the command line is shown beside the first one as a part
     closed: true,
   });
   expect(harness.user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("several dropped files: the first is the model, the others are parts", async () => {
   const { harness, user, folder } = await start();
@@ -257,4 +255,4 @@ test("several dropped files: the first is the model, the others are parts", asyn
   await harness.user.rests();
   await user.screenshot("faults-dropped-several");
   expect(harness.user.complaints).toEqual([]);
-}, 120_000);
+});

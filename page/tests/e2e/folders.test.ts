@@ -45,7 +45,7 @@ test("a folder is added by its path, and is there again with the next engine", a
   await page.reload();
   await user.ready();
   expect(await page.evaluate(() => Object.keys(localStorage).filter((key) => key.startsWith("meshgraft folder ")))).toEqual([]);
-}, 60_000);
+});
 
 test("folders that two tabs add are both kept, and seen in both", async () => {
   other = new Folder();
@@ -61,7 +61,7 @@ test("folders that two tabs add are both kept, and seen in both", async () => {
     const kept = await page.evaluate(() => Object.keys(localStorage).filter((key) => key.startsWith("meshgraft folder ")));
     expect(kept.sort()).toEqual(paths.map((path) => `meshgraft folder ${path}`));
   }
-}, 60_000);
+});
 
 test("a half is saved as a part, and grafted from the library's folder", async () => {
   harness = await EditorHarness.open();
@@ -85,4 +85,4 @@ test("a half is saved as a part, and grafted from the library's folder", async (
   await page.getByRole("button", { name: "Add bar", exact: true }).click();
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.parts.length === 2);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});

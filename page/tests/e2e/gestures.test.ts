@@ -341,4 +341,4 @@ test("weights, density and anchors change the surface between, and defaults brin
   await page.getByRole("switch", { name: "soft", exact: true }).uncheck();
   expect(await changed()).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});

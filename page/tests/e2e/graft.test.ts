@@ -318,4 +318,4 @@ test("the graft of an opened edit is accepted, and its step takes it up again", 
   await user.press("Control+Enter");
   await page.waitForFunction(() => window.meshgraft.editor.state.value?.graft === null);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

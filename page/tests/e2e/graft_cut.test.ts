@@ -51,7 +51,7 @@ test("a line that begins and ends off the model sets the plane, and the sides ar
   await user.settle();
   expect(await user.page.evaluate(() => window.meshgraft.editor.state.value?.model.loops)).toBeGreaterThan(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("cuts by a plane and along a curve, and keeps the other side instead", async () => {
   const { harness, user } = await open();

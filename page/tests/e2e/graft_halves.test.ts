@@ -92,4 +92,4 @@ test("a closed curve that divides nothing opens the surface", async () => {
   expect(done?.name).toBeUndefined();
   expect(await page.evaluate(() => window.meshgraft.editor.state.value?.model.loops)).toBe(2);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});

@@ -107,7 +107,7 @@ test("Enter grafts a part that keys have dropped, too, but not beside the model"
   await whenTold(user, /^head is on the surface/);
   expect(await pointerEvents(user)).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("loops are chosen by name and paired by keys", async () => {
   const { user } = await openByKeys("cylinder");
@@ -134,7 +134,7 @@ test("loops are chosen by name and paired by keys", async () => {
   await user.screenshot(`keys-paired-${theme}`);
   expect(await pointerEvents(user)).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a plane is placed, moved and tilted by keys, and cuts", async () => {
   const { user } = await openByKeys("bar");
@@ -172,4 +172,4 @@ test("a plane is placed, moved and tilted by keys, and cuts", async () => {
   await whenTold(user, /^Cut\./);
   expect(await pointerEvents(user)).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

@@ -42,7 +42,6 @@ test("a part of a folder is grafted and accepted by keys, and swapped, in the da
   harness = await EditorHarness.open({ dark: true, models: { "bust.ply": ["bust", "--resolution", "40"] } });
   const { user, folder } = harness;
   const { page } = user;
-  page.setDefaultTimeout(20_000);
   mkdirSync(folder.file("parts"));
   for (const name of ["head", "cylinder", "knot"])
     run("sample", name, "--resolution", "40", "-o", folder.file(`parts/${name}.ply`));
@@ -90,7 +89,6 @@ test("what stays of a part grows, shrinks and is inverted on the part", async ()
   });
   const { user } = harness;
   const { page } = user;
-  page.setDefaultTimeout(20_000);
   await user.click("Graft head");
   await grafted(user);
   await page.getByText("Manual", { exact: true }).click();
@@ -146,7 +144,6 @@ test("an earlier graft and an earlier cut are changed from the steps panel, and 
   });
   const { user } = harness;
   const { page } = user;
-  page.setDefaultTimeout(20_000);
   await user.click("Graft head");
   await grafted(user);
   await user.press("Control+Enter");

@@ -70,7 +70,7 @@ test("a bubble goes on when the user does what it says, and escape ends the tour
   await page.getByRole("dialog", { name: "Help" }).getByRole("button", { name: "Start the guided tour" }).click();
   await bubble(user, "Open a model").waitFor(); // the open bust has steps already
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a bubble stays until its step is done or the user goes on, and a reload resumes it", async () => {
   harness = await EditorHarness.open({ firstStart: true });
@@ -115,7 +115,7 @@ test("a bubble stays until its step is done or the user goes on, and a reload re
   await user.opened();
   expect(await page.getByRole("dialog").count()).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("the tour speaks of fingers on a screen that fingers touch", async () => {
   harness = await EditorHarness.open({ firstStart: true, touch: true, size: { width: 800, height: 600 } });
@@ -127,4 +127,4 @@ test("the tour speaks of fingers on a screen that fingers touch", async () => {
   await user.rests();
   await user.screenshot(`tour-touch-graft-${theme}`);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});

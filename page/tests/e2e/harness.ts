@@ -340,6 +340,7 @@ export class EditorHarness {
       hasTouch: options.touch === true,
       isMobile: options.touch === true,
     });
+    context.setDefaultTimeout(60_000); // a loaded machine takes its time
     if (options.firstStart !== true) await context.addInitScript(() => localStorage.setItem("meshgraft tour seen", "true"));
     const page = await context.newPage();
     const user = new User(page);

@@ -83,7 +83,7 @@ test("defects are listed, lit up and mended one kind after the other, and undo b
   await user.settle();
   expect(await rows.count()).toBe(3);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a message offers to mend all, and the saved edit repeats it", async () => {
   harness = await openDamaged({ dark: true });
@@ -112,7 +112,7 @@ test("a message offers to mend all, and the saved edit repeats it", async () => 
   await panel.getByRole("button", { name: "Mend", exact: true }).click();
   await panel.waitFor({ state: "detached" });
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a part has its defects listed where it is grafted", async () => {
   harness = await EditorHarness.open({ files: { "head.obj": ["head", "--resolution", "24"] } });
@@ -135,4 +135,4 @@ test("a part has its defects listed where it is grafted", async () => {
   await page.getByRole("region", { name: "Defects" }).getByRole("button", { name: "Mend all" }).click();
   await list.waitFor({ state: "detached" });
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

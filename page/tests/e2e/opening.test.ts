@@ -31,7 +31,7 @@ test("a file of another format than its name says is opened, and told of by the 
   expect(await told.locator("strong").innerText()).toBe("The file scan.obj holds PLY, not OBJ");
   await user.screenshot("opening-other-format");
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("an edit that other methods made is opened, and told of", async () => {
   harness = await EditorHarness.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
@@ -52,7 +52,7 @@ test("an edit that other methods made is opened, and told of", async () => {
   await told.waitFor();
   expect(await told.innerText()).toContain("The edit was made with meshgraft 0.0.1");
   await user.screenshot("opening-other-methods");
-}, 120_000);
+});
 
 test("a dropped file keeps its name, and its defects are told until that is dismissed", async () => {
   harness = await EditorHarness.open({ files: { "bust.ply": ["bust", "--resolution", "30"] } });
@@ -83,7 +83,7 @@ test("a dropped file keeps its name, and its defects are told until that is dism
   expect(await up()).toBe("z"); // as the file of a sample says
   await user.screenshot("opening-upright");
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("the unit of a dropped file is asked for once for that file, and not for others", async () => {
   const sample = ["bar", "--resolution", "8"];
@@ -114,4 +114,4 @@ test("the unit of a dropped file is asked for once for that file, and not for ot
   await size("1 × 1 × 4 cm");
   expect(await question.count()).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

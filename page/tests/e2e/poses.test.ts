@@ -12,7 +12,6 @@ afterEach(async () => {
 
 async function start(options: HarnessOptions) {
   harness = await EditorHarness.open(options);
-  harness.user.page.setDefaultTimeout(20_000);
   return { harness, user: harness.user, page: harness.user.page };
 }
 
@@ -73,7 +72,7 @@ test("a matrix of a file gets a gizmo, and goes on from where it was", async () 
     expect(distance(by, [shift[0]! - 0.5, shift[1]!, shift[2]!])).toBeLessThan(1e-5);
   }
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole", async () => {
   const { harness, user, page } = await start({ files: bar });
@@ -130,4 +129,4 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
   await user.settle();
   expect((await poseOf(user, "edge"))?.curve).toEqual(course);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

@@ -45,7 +45,7 @@ test("a check names what printers refuse, shows it, and offers the remedy", asyn
   expect(await rows.first().innerText()).toMatch(/Closed/);
   expect((await rows.allInnerTexts()).some((text) => text.startsWith("Volume"))).toBe(true);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a part is checked by itself, and shown where it stands", async () => {
   harness = await EditorHarness.open();
@@ -93,7 +93,7 @@ test("a part is checked by itself, and shown where it stands", async () => {
   expect(await rows.first().innerText()).toMatch(/Open: 1 hole/);
   expect(await checkedHeight()).toBeCloseTo(await sizeOf("bar"), 5);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a length measured by two clicks and typed anew scales the model, and undo takes it back", async () => {
   harness = await EditorHarness.open();
@@ -130,7 +130,7 @@ test("a length measured by two clicks and typed anew scales the model, and undo 
   await user.settle();
   sidesOf(await harness.savedPositions()).forEach((side, k) => expect(side).toBeCloseTo(before[k] ?? 0, 6));
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a point that was clicked before the model changed is forgotten", async () => {
   harness = await EditorHarness.open();
@@ -153,7 +153,7 @@ test("a point that was clicked before the model changed is forgotten", async () 
   await user.rests();
   expect(await isShown()).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("another up axis checks the overhangs anew, and hides those of the old one", async () => {
   harness = await EditorHarness.open();
@@ -172,7 +172,7 @@ test("another up axis checks the overhangs anew, and hides those of the old one"
   await expect.poll(() => row.innerText()).not.toBe(before.replace("Hide", "Show"));
   await user.screenshot("printing-up");
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("a click on a face lays the model flat on it", async () => {
   harness = await EditorHarness.open({ dark: true });
@@ -196,7 +196,7 @@ test("a click on a face lays the model flat on it", async () => {
   await page.getByRole("button", { name: "Steps", exact: false }).first().click();
   expect(await page.getByRole("button", { name: "1. Size and place" }).count()).toBeGreaterThan(0);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("the export dialog says what the file will hold, and warns", async () => {
   harness = await EditorHarness.open();
@@ -213,7 +213,7 @@ test("the export dialog says what the file will hold, and warns", async () => {
   await dialog.getByRole("combobox", { name: "Format" }).selectOption(".3mf");
   expect(await dialog.innerText()).toMatch(/The file says mm/);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("the export dialog tells of self-intersections and thin walls, and checks a large mesh when asked to", async () => {
   harness = await EditorHarness.open({ files: { "bar.obj": ["bar", "--resolution", "8"] } });
@@ -243,4 +243,4 @@ test("the export dialog tells of self-intersections and thin walls, and checks a
   expect(await dialog.getByText("is not checked yet").count()).toBe(0);
   await user.screenshot("printing-export-crossed");
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

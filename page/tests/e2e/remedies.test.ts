@@ -34,7 +34,7 @@ test("a refusal leads to the folded field that it names", async () => {
   expect(await page.locator(".pointed-at").isVisible()).toBe(true);
   await user.screenshot("remedy-offset");
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("a refusal while a graft is edited leads to the graft", async () => {
   harness = await EditorHarness.open();
@@ -51,4 +51,4 @@ test("a refusal while a graft is edited leads to the graft", async () => {
   await expect.poll(focused).toMatch(/^Accept/);
   expect(await page.evaluate(() => window.meshgraft.editor.graft.mode.value)).toBe("graft");
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});

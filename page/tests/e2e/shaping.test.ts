@@ -45,7 +45,7 @@ test("what is selected is inflated and smoothed by a click each, and undo takes 
   await user.settle();
   expect(topOf(await harness.savedPositions())).toBeCloseTo(before, 6);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("what is shaped on one side is shaped on the other with symmetry, and what moves nothing says so", async () => {
   harness = await EditorHarness.open({ dark: true });
@@ -77,7 +77,7 @@ test("what is shaped on one side is shaped on the other with symmetry, and what 
   await user.settle();
   expect(widthOf(await harness.savedPositions(), -1)).toBeCloseTo(widthOf(before, -1), 6);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("the surface around what is shaped follows within a reach, which the step keeps", async () => {
   harness = await EditorHarness.open();
@@ -127,4 +127,4 @@ test("the surface around what is shaped follows within a reach, which the step k
   await user.rests();
   expect(await moved()).toBe(inside);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

@@ -41,7 +41,7 @@ test("nothing is cut off in a small window, and the panels fold", async () => {
   await user.click("Panels");
   await page.getByRole("complementary", { name: "Panels" }).waitFor();
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("the start screen of a narrow window shows files before samples", async () => {
   harness = await EditorHarness.open({ size: { width: 800, height: 600 }, files: { "scan.ply": ["bar", "--resolution", "8"] } });
@@ -53,7 +53,7 @@ test("the start screen of a narrow window shows files before samples", async () 
     page.getByRole("heading", { name: title }).evaluate((heading) => heading.getBoundingClientRect().top);
   expect(await top("From this computer")).toBeLessThan(await top("Samples"));
   expect(await cutOff(user, ".start")).toEqual([]);
-}, 120_000);
+});
 
 /** Returns the grips of the gizmo, and the reach, that something else covers. */
 function coveredGrips(user: User): Promise<string[]> {
@@ -108,7 +108,7 @@ test("bars give way to the grips of the gizmo, whose size fits the handle", asyn
       expect(await coveredGrips(user), `${handle}, ${key}`).toEqual([]);
     }
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a field that refuses a number says why, and the words cover nothing", async () => {
   harness = await EditorHarness.open({ size: { width: 800, height: 600 } });
@@ -136,4 +136,4 @@ test("a field that refuses a number says why, and the words cover nothing", asyn
   });
   expect(covered).toBe(0);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});

@@ -54,7 +54,7 @@ test("any side is made the front or the upper side at the view cube, and that is
   await choose("As in the file");
   expect(await upright()).toEqual(start);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("a model that faces sideways in its file is shown from its front, until the user chooses another", async () => {
   harness = await EditorHarness.open();
@@ -93,4 +93,4 @@ test("a model that faces sideways in its file is shown from its front, until the
   await user.opened();
   expect((await upright()).front).toBe(chosen);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});

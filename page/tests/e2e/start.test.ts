@@ -103,7 +103,7 @@ test("own models are large cards above the samples, recent ones first, and one s
   await expect.poll(firstWords).toEqual(["other.ply", expect.anything()]);
   expect(user.complaints).toEqual([]);
   await own.close();
-}, 90_000);
+});
 
 test.each([[1280, 800, false], [800, 600, false], [800, 600, true]])(
   "nothing of the start screen is cut off, and its scroll is seen (%i by %i, touch: %s)",
@@ -149,7 +149,7 @@ test("models of folders within have cards, after those of the folder itself", as
   await page.waitForFunction(() => document.activeElement === window.meshgraft.viewport.canvas);
   expect(user.complaints).toEqual([]);
   await own.close();
-}, 60_000);
+});
 
 test("folders are entered, and their models have pictures", async () => {
   const folder = await EditorHarness.open();
@@ -165,4 +165,4 @@ test("folders are entered, and their models have pictures", async () => {
   await user.opened();
   expect(user.complaints).toEqual([]);
   await folder.close();
-}, 60_000);
+});

@@ -66,7 +66,7 @@ test("what fingers press is 44 pixels wide and high", async () => {
   await user.rests();
   await user.screenshot(`touch-graft-${theme}`);
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test.each([
   [800, 600],
@@ -105,7 +105,7 @@ test.each([
   await check("graft");
   await shot("graft");
   expect(user.complaints).toEqual([]);
-}, 120_000);
+});
 
 test("hints speak of fingers where fingers are used, and of the mouse where it is", async () => {
   harness = await EditorHarness.open({ touch: true, size: { width: 1180, height: 820 } });
@@ -123,7 +123,7 @@ test("hints speak of fingers where fingers are used, and of the mouse where it i
   await page.getByRole("button", { name: "Curve handle" }).tap();
   await page.getByRole("button", { name: "Finish" }).waitFor();
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 /** Draws with a pen that presses this hard. */
 async function drawWithPen(pen: CDPSession, [from, to]: readonly [Point, Point], force: number): Promise<void> {
@@ -158,7 +158,7 @@ test("the pressure of a pen sizes the brush", async () => {
   expect(usual).toBeGreaterThan(1.5 * light);
   expect(firm).toBeGreaterThan(1.5 * usual);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("a finger scrolls the part library, and drags a part sideways onto the surface", async () => {
   harness = await EditorHarness.open({ touch: true, size: { width: 1024, height: 600 } });
@@ -200,7 +200,7 @@ test("a finger scrolls the part library, and drags a part sideways onto the surf
   await user.rests();
   await user.screenshot(`touch-dropped-${theme}`);
   expect(user.complaints).toEqual([]);
-}, 60_000);
+});
 
 test("a finger changes the height and the tilt of a closed part's base once it is lifted", async () => {
   harness = await EditorHarness.open({ touch: true, size: { width: 1180, height: 820 } });

@@ -163,7 +163,7 @@ for (const method of ["corotational", "ft05"])
     await user.press("Escape");
     await strays(user, 0);
     expect(user.complaints).toEqual([]);
-  }, 120_000);
+  });
 
 test("a cut and a graft are taken back, to the byte", async () => {
   const { harness, user } = await openWith(

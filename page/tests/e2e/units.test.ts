@@ -148,4 +148,4 @@ test("the unit of a dropped file is known in other tabs, open or new", async () 
     expect(tab.complaints).toEqual([]);
     await tab.page.close();
   }
-}, 120_000);
+});
