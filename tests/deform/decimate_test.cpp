@@ -21,10 +21,23 @@ std::vector<test::TestMesh> fine_families() {
           test::tube(20, 40),  test::plate_with_holes(2, 2), test::minute(test::bumpy_sphere(3))};
 }
 
-Decimated decimated(const test::TestMesh& mesh, const Flags& locked, Index target) {
+Decimated decimated(const test::TestMesh& mesh, const Flags& locked, Index target,
+                    const Context& context = {}) {
   const Points normals =
       vertex_normals(mesh.positions, mesh.triangles, vertex_triangles(mesh.size(), mesh.triangles));
-  return decimate(mesh.positions, mesh.triangles, normals, locked, target);
+  return decimate(mesh.positions, mesh.triangles, normals, locked, target, context);
+}
+
+/// Returns the length of the longest edge over the median length.
+double longest_over_median(const test::TestMesh& mesh, const Decimated& coarse) {
+  std::vector<double> lengths;
+  for (const auto& t : coarse.triangles.rowwise())
+    for (int c = 0; c < 3; ++c)
+      lengths.push_back(
+          (mesh.positions.row(coarse.vertices[t[c]]) - mesh.positions.row(coarse.vertices[t[(c + 1) % 3]]))
+              .norm());
+  std::sort(lengths.begin(), lengths.end());
+  return lengths.back() / lengths[lengths.size() / 2];
 }
 
 Mesh coarse_mesh(const test::TestMesh& mesh, const Decimated& coarse) {
@@ -77,16 +90,30 @@ TEST(Decimate, KeepsLockedVerticesButThoseOfPockets) {
 TEST(Decimate, SpreadsVerticesEvenlyAlsoWhereTheSurfaceIsFlat) {
   for (const test::TestMesh& mesh :
        {test::flat_sheet(24, 18), test::bar(6, 24), test::irregular_grid(24, 18)}) {
-    SCOPED_TRACE(mesh.name);
     const Decimated coarse = decimated(mesh, Flags(static_cast<std::size_t>(mesh.size()), 0), mesh.size() / 5);
-    std::vector<double> lengths;
-    for (const auto& t : coarse.triangles.rowwise())
-      for (int c = 0; c < 3; ++c)
-        lengths.push_back(
-            (mesh.positions.row(coarse.vertices[t[c]]) - mesh.positions.row(coarse.vertices[t[(c + 1) % 3]]))
-                .norm());
-    std::sort(lengths.begin(), lengths.end());
-    EXPECT_LT(lengths.back(), 6 * lengths[lengths.size() / 2]);
+    EXPECT_LT(longest_over_median(mesh, coarse), 6) << mesh.name;
+  }
+}
+
+// More than 131,072 triangles are thinned in chunks first.
+TEST(Decimate, ThinsLargeSurfacesInChunksThatLeaveNoTrace) {
+  for (const test::TestMesh& mesh : {test::torus(320, 320), test::irregular_grid(300, 300)}) {
+    SCOPED_TRACE(mesh.name);
+    Flags locked(static_cast<std::size_t>(mesh.size()), 0);
+    for (Index v = 0; v < mesh.size(); v += 1000) locked[v] = 1;
+    const Decimated coarse = decimated(mesh, locked, 3000);
+    EXPECT_NEAR(static_cast<double>(coarse.vertices.size()), 3000, 300);
+    EXPECT_LT(longest_over_median(mesh, coarse), 6);
+    const auto kept = std::ranges::count_if(coarse.vertices, [](Index v) { return v % 1000 == 0; });
+    EXPECT_GT(static_cast<double>(kept), 0.9 * static_cast<double>(mesh.size()) / 1000);
+    const TopologySummary was = summarise_topology(make_mesh(mesh.positions, mesh.triangles));
+    const TopologySummary is = summarise_topology(coarse_mesh(mesh, coarse));
+    EXPECT_TRUE(is.manifold && is.oriented);
+    EXPECT_EQ(is.euler_characteristic, was.euler_characteristic);
+    EXPECT_EQ(is.boundary_loops, was.boundary_loops);
+    const Decimated on_one_thread = decimated(mesh, locked, 3000, Context{.threads = 1});
+    EXPECT_EQ(coarse.vertices, on_one_thread.vertices);
+    EXPECT_EQ(coarse.triangles, on_one_thread.triangles);
   }
 }
 
