@@ -111,8 +111,11 @@ Quality measure_shared_quality(const Communicator& comm, const std::vector<Numbe
   return quality_of_terms(whole, is_closed, rest_pose.resolution, terms,
                           {.has_sigmas = comm.any(!terms.sigmas.empty()),
                            .has_turns = comm.any(!terms.turns.empty()),
-                           .percentile = [&](std::vector<double>& values, double percent) {
-                             return shared_percentile(comm, values, percent);
+                           .percentiles = [&](std::vector<double>& values, std::span<const double> percents) {
+                             std::vector<double> found;
+                             for (const double percent : percents)
+                               found.push_back(shared_percentile(comm, values, percent));
+                             return found;
                            }});
 }
 

@@ -28,6 +28,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
 using TriangleEdges = std::array<Vector3d, 3>;  // [k] is the edge from corner k to corner k+1, scaled
 
 TriangleEdges triangle_edges(const QualityPose& pose, const std::array<Index, 3>& v) {
@@ -40,7 +42,6 @@ struct FaceShape {
   double area = 0;           // scaled
   double cone = 0;           // signed volume of the cone from the box centre to the face
   bool finite = false;
-  bool has_normal() const { return !normal.isZero(0); }
 };
 
 // Returns a shape without its normal.
@@ -150,13 +151,17 @@ Flags flag_corners(const Triangles& triangles, const Flags& faces, Eigen::Index 
   return corners;
 }
 
-NearFaces near_faces(const EditedMesh& mesh, const Flags& is_free, const Context& context) {
+// Returns which faces share a vertex with a free face.
+Flags flag_near(const Triangles& triangles, const Flags& is_free, const Context& context) {
+  const Flags corners_of_free =
+      flag_corners(triangles, flag_faces(triangles, is_free, context), std::ssize(is_free));
+  return flag_faces(triangles, corners_of_free, context);
+}
+
+NearFaces near_faces(const EditedMesh& mesh, const Flags& is_free, const Flags& is_near) {
   const Triangles& triangles = mesh.triangles;
   const Eigen::Index vertex_count = mesh.rest.rows();
-  const Flags corners_of_free = flag_corners(triangles, flag_faces(triangles, is_free, context), vertex_count);
-  const Flags is_near = flag_faces(triangles, corners_of_free, context);
   const Flags used = flag_corners(triangles, is_near, vertex_count);
-
   NearFaces near;
   const Eigen::Index near_vertices = std::count(used.begin(), used.end(), char{1});
   near.rest.resize(near_vertices, 3);
@@ -182,31 +187,35 @@ NearFaces near_faces(const EditedMesh& mesh, const Flags& is_free, const Context
 }
 
 struct FaceMeasure {
-  FaceShape rest, edited;
-  std::array<double, 2> sigma{1, 1};  // valid if `stretch_known`
-  bool free = false;                  // has a free vertex
-  bool stretch_known = false;
-  bool finite() const { return rest.finite && edited.finite; }
+  Vector3d rest_normal{0, 0, 0},
+      edited_normal{0, 0, 0};             // unit length, or zero where the face has no direction
+  double rest_area = 0, edited_area = 0;  // scaled
+  bool finite = false;
+  bool free = false;  // has a free vertex
 };
 
+// Returns the measures of all faces, and in `sigmas` two singular values for each, NaN where it has none.
 std::vector<FaceMeasure> measure_faces(const QualityPose& rest, const QualityPose& edited,
-                                       const Triangles& triangles, const Flags& is_free,
+                                       const QualitySurface& surface, std::vector<double>& sigmas,
                                        const Context& context) {
-  std::vector<FaceMeasure> measures(triangles.rows());
+  std::vector<FaceMeasure> measures(surface.triangles.rows());
+  sigmas.resize(2 * measures.size());
   parallel_blocks(
       measures.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
-          const auto row = triangles.row(static_cast<Eigen::Index>(f));
+          const auto row = surface.triangles.row(static_cast<Eigen::Index>(f));
           const std::array<Index, 3> v{row[0], row[1], row[2]};
           const TriangleEdges rest_edges = triangle_edges(rest, v), edited_edges = triangle_edges(edited, v);
-          FaceMeasure& measure = measures[f];
-          measure.free = is_free[v[0]] || is_free[v[1]] || is_free[v[2]];
-          measure.rest = measure_shape(rest, v, rest_edges);
-          measure.edited = measure_shape(edited, v, edited_edges);
-          if (!measure.free || !measure.finite() || !measure.rest.has_normal()) continue;
-          measure.sigma = singular_values(rest_edges, edited_edges);
-          measure.stretch_known = true;
+          const FaceShape at_rest = measure_shape(rest, v, rest_edges);
+          const FaceShape when_edited = measure_shape(edited, v, edited_edges);
+          const bool finite = at_rest.finite && when_edited.finite;
+          const bool free = surface.is_free[v[0]] || surface.is_free[v[1]] || surface.is_free[v[2]];
+          measures[f] = {at_rest.normal, when_edited.normal, at_rest.area, when_edited.area, finite, free};
+          const bool counts = finite && free && !at_rest.normal.isZero(0) &&
+                              (!surface.measures_face || surface.measures_face(static_cast<Index>(f)));
+          const auto sigma = counts ? singular_values(rest_edges, edited_edges) : std::array{unknown, unknown};
+          std::copy(sigma.begin(), sigma.end(), sigmas.begin() + static_cast<std::ptrdiff_t>(2 * f));
         }
       },
       context);
@@ -220,8 +229,6 @@ double turn_across(const Vector3d& along, const Vector3d& first, const Vector3d&
   return std::atan2(sign * along.normalized().dot(first.cross(second)), sign * first.dot(second));
 }
 
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
 struct EdgeMeasure {
   double stretch = unknown;   // (edited − rest) / rest length
   double turn_deg = unknown;  // change of the dihedral angle, 0 … 180
@@ -231,11 +238,13 @@ struct EdgeMeasure {
 
 double turn_change_deg(const TriangleEdge& edge, const FaceMeasure& first, const FaceMeasure& second,
                        const Vector3d& rest_along, const Vector3d& edited_along) {
-  const auto directed = [](const FaceMeasure& f) { return f.rest.has_normal() && f.edited.has_normal(); };
+  const auto directed = [](const FaceMeasure& f) {
+    return !f.rest_normal.isZero(0) && !f.edited_normal.isZero(0);
+  };
   if (!directed(first) || !directed(second)) return unknown;
   const bool alike = edge.is_balanced();
-  const double before = turn_across(rest_along, first.rest.normal, second.rest.normal, alike);
-  const double after = turn_across(edited_along, first.edited.normal, second.edited.normal, alike);
+  const double before = turn_across(rest_along, first.rest_normal, second.rest_normal, alike);
+  const double after = turn_across(edited_along, first.edited_normal, second.edited_normal, alike);
   const double change = std::abs(after - before);
   return std::min(change, 2 * std::numbers::pi - change) * 180 / std::numbers::pi;
 }
@@ -277,10 +286,9 @@ void add_faces(const std::vector<FaceMeasure>& faces, const QualitySurface& surf
   for (std::size_t f = 0; f < faces.size(); ++f) {
     const FaceMeasure& face = faces[f];
     if (surface.measures_face && !surface.measures_face(static_cast<Index>(f))) continue;
-    if (face.stretch_known) terms.sigmas.insert(terms.sigmas.end(), face.sigma.begin(), face.sigma.end());
-    if (!face.finite() || !face.free) continue;
-    terms.rest_free_area += face.rest.area;
-    terms.edited_free_area += face.edited.area;
+    if (!face.finite || !face.free) continue;
+    terms.rest_free_area += face.rest_area;
+    terms.edited_free_area += face.edited_area;
   }
 }
 
@@ -305,33 +313,47 @@ void report_volume(const WholeSums& whole, double resolution, Quality& quality) 
   if (encloses_volume) quality.volume_ratio = whole.edited_cone / whole.rest_cone;
 }
 
+struct PercentileField {
+  double percent;
+  double Quality::* field;
+};
+constexpr std::array<PercentileField, 7> sigma_fields{{{0, &Quality::sigma_min},
+                                                       {1, &Quality::sigma_p1},
+                                                       {5, &Quality::sigma_p5},
+                                                       {50, &Quality::sigma_p50},
+                                                       {95, &Quality::sigma_p95},
+                                                       {99, &Quality::sigma_p99},
+                                                       {100, &Quality::sigma_max}}};
+constexpr std::array<PercentileField, 3> turn_fields{
+    {{50, &Quality::dihedral_p50_deg}, {99, &Quality::dihedral_p99_deg}, {100, &Quality::dihedral_max_deg}}};
+
 // Returns whether a face's normal points against the faces around its corners. Areas at rest are the weights
 // in both states, so that neither tessellation nor the growth of a face decides.
-bool looks_away(Index face, FaceShape FaceMeasure::* state, const std::vector<FaceMeasure>& faces,
+bool looks_away(Index face, Vector3d FaceMeasure::* normal, const std::vector<FaceMeasure>& faces,
                 const Triangles& triangles, const IndexLists& faces_around) {
   Vector3d mean = Vector3d::Zero();
   for (int c = 0; c < 3; ++c) {
     for (const Index neighbour : faces_around[triangles(face, c)]) {
-      if (neighbour != face) mean += faces[neighbour].rest.area * (faces[neighbour].*state).normal;
+      if (neighbour != face) mean += faces[neighbour].rest_area * faces[neighbour].*normal;
     }
   }
-  return (faces[face].*state).normal.dot(mean) < 0;
+  return (faces[face].*normal).dot(mean) < 0;
 }
 
 std::int64_t count_flipped(const std::vector<FaceMeasure>& faces, const QualitySurface& surface,
                            const Context& context) {
   Flags flipped(faces.size(), 0);
-  const auto looks = [&](Index face, FaceShape FaceMeasure::* state) {
-    return looks_away(face, state, faces, surface.triangles, surface.faces_around);
+  const auto looks = [&](Index face, Vector3d FaceMeasure::* normal) {
+    return looks_away(face, normal, faces, surface.triangles, surface.faces_around);
   };
   parallel_blocks(
       faces.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
           const auto face = static_cast<Index>(f);
-          if (!faces[f].free || !faces[f].finite() || !faces[f].rest.has_normal()) continue;
+          if (!faces[f].free || !faces[f].finite || faces[f].rest_normal.isZero(0)) continue;
           if (surface.measures_face && !surface.measures_face(face)) continue;
-          flipped[f] = looks(face, &FaceMeasure::edited) && !looks(face, &FaceMeasure::rest);
+          flipped[f] = looks(face, &FaceMeasure::edited_normal) && !looks(face, &FaceMeasure::rest_normal);
         }
       },
       context);
@@ -434,11 +456,11 @@ bool is_closed_and_oriented(const Triangles& triangles, const IndexLists& faces_
 
 QualityTerms measure_terms(const QualityPose& rest, const QualityPose& edited, const QualitySurface& surface,
                            const Context& context) {
-  const std::vector<FaceMeasure> faces =
-      measure_faces(rest, edited, surface.triangles, surface.is_free, context);
+  QualityTerms terms;
+  const std::vector<FaceMeasure> faces = measure_faces(rest, edited, surface, terms.sigmas, context);
+  std::erase_if(terms.sigmas, [](double sigma) { return std::isnan(sigma); });
   const std::vector<TriangleEdge> edges = list_edges(surface.triangles, surface.faces_around, context);
   const std::vector<EdgeMeasure> measures = measure_edges(rest, edited, edges, faces, surface.is_free, context);
-  QualityTerms terms;
   add_faces(faces, surface, terms);
   add_edges(edges, measures, surface, terms);
   terms.flipped_faces = count_flipped(faces, surface, context);
@@ -455,27 +477,32 @@ Quality quality_of_terms(const WholeSums& whole, bool is_closed, double rest_res
     quality.edge_rms = std::sqrt(terms.stretch_squares / static_cast<double>(terms.stretched));
   quality.rim_jump_max_deg = terms.rim_jump_max_deg;
   quality.flipped_faces = static_cast<Index>(terms.flipped_faces);
-  const auto fill = [&](std::vector<double>& values, double percent, double& field) {
-    field = lists.percentile(values, percent);
+  const auto fill = [&](std::vector<double>& values, std::span<const PercentileField> fields) {
+    std::vector<double> percents;
+    for (const PercentileField& field : fields) percents.push_back(field.percent);
+    const std::vector<double> found = lists.percentiles(values, percents);
+    for (std::size_t k = 0; k < fields.size(); ++k) quality.*fields[k].field = found[k];
   };
-  if (lists.has_sigmas) {
-    fill(terms.sigmas, 0, quality.sigma_min);
-    fill(terms.sigmas, 1, quality.sigma_p1);
-    fill(terms.sigmas, 5, quality.sigma_p5);
-    fill(terms.sigmas, 50, quality.sigma_p50);
-    fill(terms.sigmas, 95, quality.sigma_p95);
-    fill(terms.sigmas, 99, quality.sigma_p99);
-    fill(terms.sigmas, 100, quality.sigma_max);
-  }
-  if (lists.has_turns) {
-    fill(terms.turns, 50, quality.dihedral_p50_deg);
-    fill(terms.turns, 99, quality.dihedral_p99_deg);
-    fill(terms.turns, 100, quality.dihedral_max_deg);
-  }
+  if (lists.has_sigmas) fill(terms.sigmas, sigma_fields);
+  if (lists.has_turns) fill(terms.turns, turn_fields);
   return quality;
 }
 
 namespace {
+
+// Measures the faces that share a vertex with a free face, and their edges. Others add nothing. Leaving them
+// out pays where they are many.
+QualityTerms measure_near(const EditedMesh& mesh, const QualityPose& rest, const QualityPose& edited,
+                          const IndexLists& faces_around, const Flags& is_free, const Context& context) {
+  const Flags is_near = flag_near(mesh.triangles, is_free, context);
+  if (2 * std::ranges::count(is_near, char{1}) >= std::ssize(is_near))
+    return measure_terms(rest, edited, {mesh.triangles, faces_around, is_free}, context);
+  const NearFaces near = near_faces(mesh, is_free, is_near);
+  const IndexLists near_around =
+      vertex_triangles(static_cast<Index>(near.rest.rows()), near.triangles, context);
+  return measure_terms(rest.of_part(near.rest), edited.of_part(near.edited),
+                       {near.triangles, near_around, near.is_free}, context);
+}
 
 // Measures a surface with the triangles around its vertices known.
 Quality measure(const EditedMesh& mesh, const IndexLists& faces_around, std::optional<bool> is_closed,
@@ -490,13 +517,9 @@ Quality measure(const EditedMesh& mesh, const IndexLists& faces_around, std::opt
   if (!is_closed)
     is_closed = whole.finite && is_closed_and_oriented(triangles, faces_around, faces_around.size(), context);
 
-  const NearFaces near = near_faces(mesh, is_free, context);
-  const IndexLists near_around =
-      vertex_triangles(static_cast<Index>(near.rest.rows()), near.triangles, context);
-  QualityTerms terms = measure_terms(rest_whole.of_part(near.rest), edited_whole.of_part(near.edited),
-                                     {near.triangles, near_around, near.is_free}, context);
+  QualityTerms terms = measure_near(mesh, rest_whole, edited_whole, faces_around, is_free, context);
   Quality quality = quality_of_terms(whole, *is_closed, rest_whole.resolution, terms,
-                                     {!terms.sigmas.empty(), !terms.turns.empty(), percentile});
+                                     {!terms.sigmas.empty(), !terms.turns.empty(), percentiles});
   Flags has_width = is_free;  // an unused vertex has none, and must not affect the units
   for (Index v = 0; v < faces_around.size(); ++v)
     if (faces_around[v].empty()) has_width[v] = 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -99,13 +100,14 @@ struct QualityTerms {
 QualityTerms measure_terms(const QualityPose& rest, const QualityPose& edited, const QualitySurface& surface,
                            const Context& context);
 
-/// Returns percentiles, in percent, of a list that may be in parts. The extremes are those of 0 and 100.
-using Percentile = std::function<double(std::vector<double>&, double)>;
+/// Returns percentiles, for ascending numbers of percent, of a list that may be in parts. The extremes are
+/// those of 0 and 100.
+using Percentiles = std::function<std::vector<double>(std::vector<double>&, std::span<const double>)>;
 
 /// The lists of the terms of all parts.
 struct QualityLists {
   bool has_sigmas, has_turns;  ///< some part has any
-  Percentile percentile;
+  Percentiles percentiles;
 };
 
 /// Returns all measures but widths and intersections. `rest_resolution` is that of the pose at rest. The sums,
