@@ -31,35 +31,61 @@ bool holds_nothing(const EditStep& asked, const StepReport& step) {
          std::ranges::none_of(deform->handles, is_still);
 }
 
-void print_deform(const EditStep& asked, const StepReport& step, const std::string& name) {
+// The quality of one step alone is that of the edit, which has a line of its own.
+void print_deform(const EditStep& asked, const StepReport& step, const std::string& name,
+                  bool is_one_of_several) {
   fmt::print("  {}{} free vertices followed {} held by handles, {} stayed fixed; the farthest moved {:.4g}\n",
              name, step.counts.free, step.counts.handle, step.counts.fixed, step.max_displacement);
   if (step.refined_vertices > 0)
     fmt::print("  {}edges near handles were halved for the solve, which had {} more vertices\n", name,
                step.refined_vertices);
+  const std::int64_t crossings = step.quality.new_self_intersections.value_or(0);
+  if (is_one_of_several && (crossings > 0 || step.quality.flipped_faces > 0))
+    fmt::print("  {}new self-intersections: {}, flipped faces: {}\n", name, crossings,
+               step.quality.flipped_faces);
   if (holds_nothing(asked, step))
     fmt::print("  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
                name);
 }
 
-std::string found_text(const PairReport& pair) {
-  if (!pair.starts.empty()) return fmt::format(" (found, {:.0f} % probable)", 100 * pair.confidence);
-  return pair.confidence < 1 ? fmt::format(" (found, confidence {:.2f})", pair.confidence) : "";
+// Returns where the loops' correspondence starts, if that was found. A start that was ranked can be given as it
+// is printed; others lie between vertices.
+std::string start_text(const PairReport& pair, const RetryReport& retry) {
+  if (!pair.starts.empty()) {
+    const auto taken = std::min(static_cast<std::size_t>(retry.start), pair.starts.size() - 1);
+    const StartCandidate& start = pair.starts[taken];
+    const std::string shifted =
+        retry.start_shift == 0 ? "" : fmt::format(", shifted by {:.2g} % of the loop", 100 * retry.start_shift);
+    return fmt::format(", start {}:{}{} (found, {:.0f} % probable)", start.start.target, start.start.source,
+                       shifted, 100 * start.probability);
+  }
+  return pair.confidence < 1 ? fmt::format(", start near {}:{} (found, confidence {:.2f})", pair.start.target,
+                                           pair.start.source, pair.confidence)
+                             : "";
 }
 
 void print_pairs(const MergeReport& report, const std::string& name) {
   for (const PairReport& pair : report.pairs)
-    fmt::print("  {}matched {} vertices of the target with {} of the source, {}:{} first{}\n", name,
-               pair.target_vertices, pair.source_vertices, pair.start.target, pair.start.source,
-               found_text(pair));
+    fmt::print("  {}matched {} vertices of the target with {} of the source{}\n", name, pair.target_vertices,
+               pair.source_vertices, start_text(pair, report.retry));
+}
+
+// Pieces of the source that are not connected have a scale each.
+std::string shape_text(const ShapeReport& shape) {
+  const double kept = 100 * shape.distance_rel;
+  if (shape.scales.size() < 2)
+    return fmt::format("the source was scaled by {:.4g} and keeps its shape to {:.2g} % of its size",
+                       shape.similarity.scale, kept);
+  std::vector<std::string> scales;
+  for (const double scale : shape.scales) scales.push_back(fmt::format("{:.4g}", scale));
+  return fmt::format("the source's pieces were scaled by {} and keep their shapes to {:.2g} % of their sizes",
+                     fmt::join(scales, ", "), kept);
 }
 
 void print_merge(const StepReport& step, const std::string& name) {
   const MergeReport& report = step.merge->report;
   print_pairs(report, name);
-  const ShapeReport& shape = report.shape;
-  fmt::print("  {}the source was scaled by {:.4g} and keeps its shape to {:.2g} % of its size\n", name,
-             shape.similarity.scale, 100 * shape.distance_rel);
+  fmt::print("  {}{}\n", name, shape_text(report.shape));
   const SeamReport& seam = report.seam;
   fmt::print(
       "  {}seam: {} new faces, {}{}smallest angles {:.0f}° (p1), bends by {:.0f}° (p99; beside it {:.0f}° "
@@ -94,6 +120,8 @@ void print_repair(const StepReport& step, const std::string& name) {
 void print_sculpt(const StepReport& step, const std::string& name) {
   fmt::print("  {}{}: {} vertices; the farthest moved {:.4g}\n", name, to_string(step.sculpt->action),
              step.sculpt->region, step.sculpt->max_displacement);
+  if (step.sculpt->new_self_intersections > 0)
+    fmt::print("  {}new self-intersections: {}\n", name, step.sculpt->new_self_intersections);
 }
 
 void print_transform(const StepReport& step, const std::string& name) {
@@ -143,7 +171,7 @@ void print_summary(const EditFile& edit, const EditReport& report, const Points&
     else if (step.transform)
       print_transform(step, name);
     else
-      print_deform(edit.steps[i], step, name);
+      print_deform(edit.steps[i], step, name, report.steps.size() > 1);
     for (const Note& note : step.notes) fmt::print("  {}note: {}\n", name, sentence(note));
   }
   for (const Note& note : report.notes) fmt::print("  note: {}\n", sentence(note));

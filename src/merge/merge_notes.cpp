@@ -27,6 +27,8 @@ constexpr double pinched = 0.3;
 
 // Chosen: a source of half its size is not what was asked for.
 constexpr double shrunk = 0.5;
+// Chosen: pieces that differ by a fifth no longer fit one another.
+constexpr double apart = 1.2;
 
 /// Names the settings that differ from those of the first graft.
 std::string settings_of(const MergeReport& report) {
@@ -94,6 +96,10 @@ std::vector<Note> merge_notes(const MergeReport& report, const MergeOptions& opt
   }
   if (const double scale = relative_scale(report, options); scale < shrunk)
     notes.push_back(facts::merge::SourceShrunk{.percent = 100 * scale});
+  if (const auto& scales = report.shape.scales; !scales.empty()) {
+    const auto [least, most] = std::ranges::minmax(scales);
+    if (most > apart * least) notes.push_back(facts::merge::PiecesScaledApart{.least = least, .most = most});
+  }
   if (report.shape.smallest_singular_p5 < pinched)
     notes.push_back(facts::merge::SourceSqueezed{.width_percent = 100 * report.shape.smallest_singular_p5});
   add_faults(report, notes);

@@ -67,6 +67,7 @@ ShapeReport measure_shape(const Points& rest, const Points& grafted, const Trian
     Similarity best;
     if (!fit_similarity(from, to, Eigen::VectorXd::Ones(from.rows()), best)) continue;
     scales[number] = best.scale;
+    report.scales.push_back(best.scale);
     const Points there =
         (best.scale * from * best.rotation.transpose()).rowwise() + best.translation.transpose();
     const double size = (to.colwise().maxCoeff() - to.colwise().minCoeff()).norm();

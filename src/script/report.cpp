@@ -118,6 +118,7 @@ Json shape_json(const ShapeReport& shape) {
            {{"scale", shape.similarity.scale},
             {"rotation", rotation},
             {"translation", vector_json(shape.similarity.translation)}}},
+          {"scales", shape.scales},
           {"distance_rel", shape.distance_rel},
           {"smallest_singular_p5", shape.smallest_singular_p5},
           {"inverted", shape.inverted}};
@@ -278,6 +279,7 @@ Json step_json(const StepReport& step, const Wording& wording) {
     json["action"] = to_string(step.sculpt->action);
     json["region"] = step.sculpt->region;
     json["max_displacement"] = step.sculpt->max_displacement;
+    json["new_self_intersections"] = step.sculpt->new_self_intersections;
     if (step.symmetry) json["symmetry"] = {{"without_partner", step.symmetry->without_partner}};
   }
   if (step.transform) json["matrix"] = rows_json(*step.transform);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/deform/quality.h>
 #include <meshgraft/mesh/normals.h>
 #include <meshgraft/select/selection.h>
 
@@ -113,10 +114,13 @@ StepReport run_sculpt(const EditFile& edit, const EditStep& edit_step, const Loc
   }
   const Points before = std::exchange(mesh.positions, std::move(moved));
   update_normals(mesh, before);
-  report.sculpt = SculptOutcome{step.action, static_cast<Index>(regions.own.size() + regions.image.size()),
-                                largest_displacement(before, mesh.positions)};
-  if (joined) unweld(*joined, weld, state.mesh);
   report.seconds.solve = watch.lap();
+  report.sculpt =
+      SculptOutcome{step.action, static_cast<Index>(regions.own.size() + regions.image.size()),
+                    largest_displacement(before, mesh.positions),
+                    count_new_self_intersections({before, mesh.positions, triangles, region}, context)};
+  report.seconds.measure = watch.lap();
+  if (joined) unweld(*joined, weld, state.mesh);
   for (const Index v : region) state.was_free[v] = 1;
   for (Index v = 0; v < state.mesh.vertex_count(); ++v) state.was_free[v] = state.was_free[weld.of(v)];
   report.counts.vertices = state.mesh.vertex_count();

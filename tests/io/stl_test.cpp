@@ -196,6 +196,17 @@ TEST(Stl, SeveralSolidsAreObjects) {
   EXPECT_TRUE(folder.mesh("one.stl", one).attributes.empty());
 }
 
+TEST(Stl, TellsOfVerticesThatItCannotKeepApart) {
+  const TemporaryFolder folder;
+  const std::string sides =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv 0 1 0\nv -1 0 0\nv 0 0 0\nf 1 2 3\nf 4 5 6\n";
+  const WriteResult result = write_mesh(folder.mesh("in.obj", sides), folder / "out.stl");
+  ASSERT_EQ(result.notes.size(), 2U);  // the last vertex has no face
+  EXPECT_EQ(result.notes[0].id(), "io.vertices_joined");
+  EXPECT_TRUE(result.notes[0].text().starts_with("2 vertices lie where others do")) << result.notes[0].text();
+  EXPECT_EQ(read_mesh(folder / "out.stl").vertex_count(), 4);
+}
+
 TEST(Stl, MeshesOfOtherFormatsAreWrittenAsBinary) {
   const TemporaryFolder folder;
   Mesh mesh = folder.mesh("in.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.1 9 9\ng a\nf 1 2 3 4\nf 1 2\n");

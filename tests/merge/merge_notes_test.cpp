@@ -56,6 +56,9 @@ std::vector<NotedBound> noted_bounds() {
   const auto scale = [](double value) {
     return [value](MergeReport& report) { report.shape.similarity.scale = value; };
   };
+  const auto scales = [](double larger) {
+    return [larger](MergeReport& report) { report.shape.scales = {1, larger}; };
+  };
   const auto manifold = [](bool value) {
     return [value](MergeReport& report) { report.seam.manifold = value; };
   };
@@ -75,6 +78,7 @@ std::vector<NotedBound> noted_bounds() {
           {"merge.source_squeezed", width(0.3), width(0.299)},
           {"merge.source_shrunk", scale(0.5), scale(0.499)},
           {"merge.source_shrunk", scale(1.5), scale(1.499), {.size = 3}},
+          {"merge.pieces_scaled_apart", scales(1.2), scales(1.201)},
           {"merge.result_not_manifold", manifold(true), manifold(false)},
           {"merge.features_blended", blended(false), blended(true)},
           {"merge.source_inverted", inverted(0), inverted(1)}};

@@ -44,6 +44,7 @@ TEST(ShapeReport, OfASimilarityIsThatSimilarityWithoutDistortion) {
                 1e-8 * map.linear().norm());
       EXPECT_LT((report.similarity.translation - map.translation()).norm(),
                 1e-8 * (1 + map.translation().norm()));
+      for (const double scale : report.scales) EXPECT_NEAR(scale, report.similarity.scale, 1e-8 * scale);
       EXPECT_LT(report.distance_rel, 1e-7);  // the shift rounds the coordinates of minute meshes
       EXPECT_NEAR(report.smallest_singular_p5, 1, 1e-6);
     }

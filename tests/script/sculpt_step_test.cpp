@@ -261,7 +261,15 @@ TEST_F(SculptStepTest, IsReported) {
   EXPECT_EQ(step["region"], cap(read_mesh(folder_ / "ball.ply")).size());
   EXPECT_NEAR(step["max_displacement"].get<double>(), 0.3, 1e-6);
   EXPECT_NEAR(report["max_displacement"].get<double>(), 0.3, 1e-6);
+  EXPECT_EQ(step["new_self_intersections"], 0);
   EXPECT_GT(report["quality"]["area_ratio"].get<double>(), 1);
+}
+
+TEST_F(SculptStepTest, CountsTheIntersectionsThatItMakes) {
+  const EditResult result = run_edit(edit(R"("action": "inflate", "region": "cap", "height": -3)"));
+  const std::int64_t counted = result.report.steps[0].sculpt->new_self_intersections;
+  EXPECT_GT(counted, 0);
+  EXPECT_EQ(counted, result.report.quality.new_self_intersections);
 }
 
 TEST_F(SculptStepTest, RefusesWhatMovesNothing) {

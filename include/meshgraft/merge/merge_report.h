@@ -86,8 +86,10 @@ struct PairReport {
 
 /// Measures of the map source → result over the source's faces, relative to its similarity.
 struct ShapeReport {
-  Similarity similarity;    ///< best similarity of the vertices beyond the influence radius, or of all
-  double distance_rel = 0;  ///< RMS distance of these vertices from it, × their size
+  /// Best similarity of the vertices beyond the influence radius, or of all, of the largest component.
+  Similarity similarity;
+  std::vector<double> scales;  ///< of each connected component of the source, by their first vertices
+  double distance_rel = 0;     ///< RMS distance of these vertices from it, × their size
   /// 5th percentile of smallest singular values within the radius, relative to the similarity's scale.
   double smallest_singular_p5 = 1;
   Index inverted = 0;  ///< vertices whose local map is inverted

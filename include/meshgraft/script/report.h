@@ -113,6 +113,8 @@ struct SculptOutcome {
   SculptAction action = SculptAction::smooth;
   Index region = 0;             ///< number of vertices of the region
   double max_displacement = 0;  ///< model units
+  /// Pairs of faces that intersect now and did not before.
+  std::int64_t new_self_intersections = 0;
 };
 
 /// Report on one step. A step of another kind than a deformation has its own record; fields that concern only

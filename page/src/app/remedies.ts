@@ -216,6 +216,7 @@ const remedies: RemedyTable = {
   "merge.seam_vertex_not_finite": () => mend("target"),
   "merge.source_inverted": () => inGraft("Twist"),
   "merge.source_reaches_in": () => inGraft("Spin"),
+  "merge.pieces_scaled_apart": () => inGraft("Size"),
   "merge.source_squeezed": () => inGraft("Size"),
   "merge.start_unsure": () => inGraft("Twist"),
   "merge.vertex_not_on_boundary": showLoops,

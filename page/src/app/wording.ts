@@ -437,6 +437,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "merge.source_inverted": ({ vertices }) => ({
     problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")}; another rotation or more matches may help`,
   }),
+  "merge.pieces_scaled_apart": ({ least, most }) => ({
+    problem: `the pieces of the part take the sizes of their loops: they are scaled by ${formatNumber(least, 3)} to ${formatNumber(most, 3)}`,
+    remedy: "A size of your choice scales all alike.",
+  }),
   "merge.source_matched_twice": ({ source, target, other_target }) => ({
     problem: `vertex ${source} of the part is matched with two vertices of the model, ${target} and ${other_target}`,
   }),

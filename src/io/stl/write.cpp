@@ -14,6 +14,7 @@
 #include "io/facts.h"
 #include "io/number_text.h"
 #include "io/unwritten.h"
+#include "point_index.h"
 #include "stl.h"
 
 namespace meshgraft::io {
@@ -190,11 +191,31 @@ class StlComposer {
     const auto dropped = std::ranges::count(covered, 0);
     Index polygons = 0;
     for (Index f = 0; f < mesh_.face_count(); ++f) polygons += mesh_.faces[f].size() > 3 ? 1 : 0;
+    if (const Index joined = joined_vertices(used); joined > 0)
+      notes.push_back(facts::io::VerticesJoined{.format = "STL", .count = joined});
     if (polygons > 0) notes.push_back(facts::io::PolygonsSplit{.format = "STL", .count = polygons});
     if (isolated > 0) notes.push_back(facts::io::VerticesLeftOut{.format = "STL", .count = isolated});
     if (dropped > 0) notes.push_back(facts::io::FacesLeftOut{.format = "STL", .count = dropped});
     if (!note_coarse_coordinates(mesh_, "STL", notes) && rounded_)
       notes.push_back(facts::io::CoordinatesRounded{.format = "STL"});
+  }
+
+  /// Returns the number of used vertices that have the coordinates of an earlier one in the file.
+  Index joined_vertices(const Flags& used) const {
+    MemoryBudget unlimited(std::numeric_limits<std::uint64_t>::max());
+    PointIndex<float> points(static_cast<std::size_t>(mesh_.vertex_count()), unlimited);
+    Index joined = 0, next = 0;
+    for (Index v = 0; v < mesh_.vertex_count(); ++v) {
+      if (!used[v]) continue;
+      const FloatPoint point = to_floats(mesh_.positions, v);
+      Index number = 0;
+      points.add({&point, 1}, &number);
+      if (number < next)
+        ++joined;
+      else
+        ++next;
+    }
+    return joined;
   }
 
   const Mesh& mesh_;
