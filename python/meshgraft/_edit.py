@@ -24,6 +24,7 @@ from meshgraft._merge import MergeKeywords, merge_step
 from meshgraft._mesh import Mesh, write
 from meshgraft._pose import pose_of
 from meshgraft._records import CutKeywords, DeformKeywords, EditReport, MergePose, MergeShape, OverrideKeywords, RepairKeywords, SculptAction
+from meshgraft._repair import cut_options
 from meshgraft._texts import Direction
 
 if sys.version_info >= (3, 11):
@@ -308,7 +309,7 @@ class Edit:
 
 def _cut_fields(options: CutKeywords) -> dict[str, Any]:
     """The fields of a cut step, from the keywords of `meshgraft.cut`."""
-    given = _texts.without_none(**options)
+    given = cut_options(options)
     pins = {key.removeprefix("pin_"): given.pop(key) for key in list(given) if key.startswith("pin_")}
     if given.get("cap") == "pins":
         given.pop("cap")

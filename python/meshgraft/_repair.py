@@ -14,6 +14,7 @@ from meshgraft._adapters import adapt, vertices_of
 from meshgraft._calls import Progress, calling
 from meshgraft._docs_of import documented
 from meshgraft._records import CutKeywords, CutResult, Diagnostics, Quality, RepairKeywords, RepairResult
+from meshgraft._texts import without_none
 from meshgraft.select import Selection
 
 if sys.version_info >= (3, 11):
@@ -43,6 +44,15 @@ def repair(mesh: Any, *, threads: int = 0, progress: Progress = None, **options:
     return replace(result, mesh=adapted.like(result.mesh))
 
 
+def cut_options(options: CutKeywords) -> dict[str, Any]:
+    """Returns the options of a cut that are given. An option of the pins asks for pins."""
+    given = without_none(**options)
+    of_pins = [key for key in given if key.startswith("pin_")]
+    if of_pins and given.setdefault("cap", "pins") != "pins":
+        raise ValueError(f"cut: {of_pins[0]} asks for pins, so it goes with cap='pins', not {given['cap']!r}")
+    return given
+
+
 @documented("cut_by_plane")
 def cut(mesh: Any, *, plane: Any = None, loop: Any = None, values: ArrayLike | None = None, threads: int = 0,
         progress: Progress = None, **options: Unpack[CutKeywords]) -> CutResult:
@@ -53,18 +63,19 @@ def cut(mesh: Any, *, plane: Any = None, loop: Any = None, values: ArrayLike | N
     """
     if (plane is not None) + (loop is not None) + (values is not None) != 1:
         raise ValueError("cut: give one of plane, loop and values")
+    given = cut_options(options)
     adapted = adapt(mesh)
     own = adapted.mesh
     with calling(threads, None, progress) as call:
         if plane is not None:
             spec = _arrays.plane(plane, "plane")
-            result = _core.cut_by_plane(own._core, np.array(spec["point"]), np.array(spec["normal"]), dict(options), call)
+            result = _core.cut_by_plane(own._core, np.array(spec["point"]), np.array(spec["normal"]), given, call)
         elif loop is not None:
             vertices = loop(own) if isinstance(loop, Selection) else _arrays.indices(loop, "loop", len(own))
-            result = _core.cut_along_loop(own._core, vertices, dict(options), call)
+            result = _core.cut_along_loop(own._core, vertices, given, call)
         else:
             numbers = _arrays.numbers(cast(ArrayLike, values), "values", count=len(own))
-            result = _core.cut_at_zero(own._core, numbers, dict(options), call)
+            result = _core.cut_at_zero(own._core, numbers, given, call)
     return replace(cast(CutResult, result), mesh=adapted.like(result.mesh))
 
 

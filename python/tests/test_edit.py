@@ -211,6 +211,15 @@ def test_repair_cut_and_quality(bar, ends):
     step = mg.Edit().input("bar", bar).cut("bar", plane=((0, 0, 2.05), "z"), keep="below", cap="pins", pin_count=1,
                                            pin_diameter=0.2).run()
     assert np.array_equal(step.mesh.faces, pinned.mesh.faces) and len(step.report.steps[0].cut.pins) == 1
+    implied = mg.cut(bar, plane=((0, 0, 2.05), "z"), keep="below", pin_count=1, pin_diameter=0.2)
+    assert np.array_equal(implied.mesh.faces, pinned.mesh.faces)
+    assert len(mg.cut(bar, plane=((0, 0, 2.05), "z"), keep="both", pin_side="above").pins) == 2
+    step = mg.Edit().input("bar", bar).cut("bar", plane=((0, 0, 2.05), "z"), keep="below", pin_count=1, pin_side=None)
+    assert len(step.run().report.steps[0].cut.pins) == 1
+    for cap in ("flat", "open"):
+        for refuses, mesh in ((mg.cut, bar), (mg.Edit().input("bar", bar).cut, "bar")):
+            with pytest.raises(ValueError, match="pin_count asks for pins, so it goes with cap='pins'"):
+                refuses(mesh, plane=((0, 0, 2.05), "z"), cap=cap, pin_count=1)
     flat = mg.Edit().input("bar", bar).cut("bar", plane=((0, 0, 2.05), "z"), cap="flat").run()
     assert flat.mesh.topology().closed
     around = mg.select.indices([int(mg.select.nearest(p)(bar)[0]) for p in
