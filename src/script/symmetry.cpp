@@ -211,6 +211,19 @@ Note MirrorMatch::note_about(const std::vector<Index>& without_partner, std::siz
                                           .distance_rel = lack.distance_rel};
 }
 
+Error MirrorMatch::refusal_of(const std::vector<Index>& beyond, std::size_t of, const Location& where) const {
+  const Lack lack = lack_of(beyond);
+  if (lack.tolerance_rel)
+    return Error(
+        facts::script::ImageWithGaps{
+            .lost = beyond.size(), .all = of, .first = beyond.front(), .tolerance_rel = *lack.tolerance_rel},
+        where);
+  return Error(
+      facts::script::ImageOffSurface{
+          .lost = beyond.size(), .all = of, .first = beyond.front(), .distance_rel = lack.distance_rel},
+      where);
+}
+
 namespace {
 
 // Compares the maps and their rotations: a full turn differs from one in the opposite direction.
@@ -238,8 +251,7 @@ MirroredRegion mirrored_region(const std::vector<Index>& region, const SymmetryS
   const std::vector<Index> lost = match.without_partner(region);
   mirrored.without_partner = static_cast<Index>(lost.size());
   if (const std::vector<Index> gaps = match.beyond_edges(lost); !gaps.empty())
-    throw Error(facts::script::ImageWithGaps{.lost = gaps.size(), .all = region.size(), .first = gaps.front()},
-                location);
+    throw match.refusal_of(gaps, region.size(), location);
   std::vector<Index> both = lost.empty() ? match.with_images(region) : match.with_nearest_images(region);
   if (!lost.empty()) mirrored.note = match.note_about(lost, region.size());
 

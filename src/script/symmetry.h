@@ -58,7 +58,10 @@ class MirrorMatch {
   /// Returns `set` and all vertices whose mirror image has its nearest vertex in `set`, whatever the tolerance.
   std::vector<Index> with_nearest_images(const std::vector<Index>& set) const;
 
-  /// Returns a note about such vertices.
+  /// Returns the error about vertices whose mirror images are beyond edges, of so many of the region.
+  Error refusal_of(const std::vector<Index>& beyond, std::size_t of, const Location& where) const;
+
+  /// Returns a note about vertices without a partner.
   Note note_about(const std::vector<Index>& without_partner, std::size_t of) const;
 
  private:

@@ -247,7 +247,43 @@ TEST_F(SculptStepTest, RefusesARegionWithoutMirrorImage) {
     run_edit(edit(fields + R"("symmetry": {"point": [0, 0, 50], "normal": [0, 0, 1]})"));
     FAIL();
   } catch (const Error& error) {
+    EXPECT_EQ(error.id(), "script.image_off_surface");
+    EXPECT_GT(error.fact().get<double>("distance_rel"), 0.05);
+  }
+}
+
+// One vertex of the cap stands on a spike that the other side lacks; all others lack a partner only by a
+// little.
+TEST_F(SculptStepTest, CountsTheImagesOffTheSurface) {
+  test::TestMesh ball = test::icosphere(3);
+  const Eigen::AngleAxisd turn(0.01, Eigen::Vector3d::UnitX());
+  for (auto row : ball.positions.rowwise())
+    if (row.z() < 0) row = (turn * Eigen::Vector3d(row.transpose())).transpose();
+  Eigen::Index top = 0;
+  ball.positions.col(2).maxCoeff(&top);
+  std::vector<Index> around;
+  for (auto row : ball.triangles.rowwise())
+    if ((row.array() == static_cast<Index>(top)).any())
+      for (const Index v : row) around.push_back(v);
+  for (const Index v : around)
+    ball.positions.row(v) = 0.98 * ball.positions.row(top) + 0.02 * ball.positions.row(v);
+  ball.positions.row(top) *= 1.06;
+  put(make_mesh(ball.positions, ball.triangles));
+  const auto asked = [](const std::string& tolerance) {
+    return R"("action": "inflate", "height": 0.3, "region": {"nearest": [0, 0, 2]}, "symmetry": )"
+           R"({"point": [0, 0, 0], "normal": [0, 0, 1])" +
+           tolerance + "}";
+  };
+  try {
+    run_edit(edit(asked("")));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
     EXPECT_EQ(error.id(), "script.image_with_gaps");
+    EXPECT_EQ(error.fact().get<std::int64_t>("lost"), 1);
+    EXPECT_TRUE(error.problem().starts_with("of the region's 1 vertex, 1 has a mirror image farther"))
+        << error.what();
+    const double suffices = error.fact().get<double>("tolerance_rel");
+    EXPECT_NO_THROW(run_edit(edit(asked(R"(, "tolerance_rel": )" + std::to_string(suffices)))));
   }
 }
 

@@ -123,6 +123,11 @@ function regionLacks(vertices: { lost: number; all: number }): string {
   return `${lackWords(vertices, "the region")}, so there the result is not symmetric`;
 }
 
+function imagesOff({ lost, all }: { lost: number; all: number }): string {
+  const images = lost === 1 ? "the mirror image of 1" : `the mirror images of ${lost}`;
+  return `${images} of the region's ${counted(all, "vertex", "vertices")} ${lost === 1 ? "is" : "are"} off the surface`;
+}
+
 const otherPlane =
   "The model is not the same on both sides of this plane. Move the plane, or choose another axis, under Symmetry.";
 const turnInsideOut = "Switch on Flip normals of part, under More options.";
@@ -753,9 +758,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: "the part is placed twice: by matched points, and by a pose of its own",
     remedy: "Keep one of the two.",
   }),
-  "script.image_with_gaps": ({ lost, all }) => ({
-    problem: regionLacks({ lost, all }),
-    remedy: "Enlarge the tolerance under Symmetry, choose another plane, or switch Symmetry off.",
+  "script.image_off_surface": ({ lost, all }) => ({ problem: imagesOff({ lost, all }), remedy: otherPlane }),
+  "script.image_with_gaps": ({ lost, all, tolerance_rel }) => ({
+    problem: imagesOff({ lost, all }),
+    remedy: `A tolerance of ${percent(tolerance_rel)} suffices; or choose another plane, or switch Symmetry off.`,
   }),
   "script.region_not_mirrored": ({ lost, all }) => ({ problem: regionLacks({ lost, all }), remedy: otherPlane }),
   "script.region_without_mirror_image": ({ lost, all, tolerance_rel }) => ({
