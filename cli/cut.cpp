@@ -305,7 +305,7 @@ void run_cut(const CutArguments& arguments, Context context) {
 void add_pin_options(CLI::App& command, CutArguments& arguments) {
   command.add_option("--pin-count", arguments.pin_count, "Pins on each cap, 1 to 32 (default 2)")
       ->type_name("N")
-      ->check(number_from(1, 32));
+      ->check(whole_number_from(1, 32));
   command
       .add_option("--pin-diameter", arguments.pin_diameter,
                   "Their diameter (default: from the size of the cap)")

@@ -322,11 +322,13 @@ Error in_words_of_options(const Error& error, const MergeArguments& arguments) {
 }
 
 EditFile edit_from(const MergeArguments& arguments) {
+  const bool is_edit = arguments.target.extension() == ".json";
   if (arguments.plain()) {
+    if (is_edit) throw Error(facts::cli::SourceWithEdit{}, arguments.target);
     require_sense(arguments);
     return plain_edit(arguments);
   }
-  if (arguments.target.extension() != ".json") throw Error(facts::cli::NoSource{}, arguments.target);
+  if (!is_edit) throw Error(facts::cli::NoSource{}, arguments.target);
   for (const CLI::Option* option : arguments.plain_options)
     if (option->count() > 0) throw Error(facts::cli::OptionOfPlainMerge{.option = option->get_name()});
   return read_edit_file(arguments.target);

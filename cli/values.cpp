@@ -6,6 +6,11 @@ namespace meshgraft::cli {
 
 namespace {
 
+// Returns whether a text is meant as a list of numbers, rather than as an axis and a place on it.
+bool is_list(const std::string& text) {
+  return text.find('=') == std::string::npos && text.find(',') != std::string::npos;
+}
+
 Plane plane_from(const std::string& text, const std::string& option) {
   Plane plane;
   if (text.size() > 2 && text[1] == '=' && text[0] >= 'x' && text[0] <= 'z') {
@@ -15,10 +20,13 @@ Plane plane_from(const std::string& text, const std::string& option) {
       plane.normal[text[0] - 'x'] = 1;
       return plane;
     }
-  } else if (const auto values = numbers<double>(text, option); values.size() == 6) {
-    plane.point = Eigen::Map<const Eigen::Vector3d>(values.data());
-    plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
-    return plane;
+  } else if (is_list(text)) {
+    const auto values = numbers<double>(text, option);
+    if (values.size() == 6) {
+      plane.point = Eigen::Map<const Eigen::Vector3d>(values.data());
+      plane.normal = Eigen::Map<const Eigen::Vector3d>(values.data() + 3);
+      return plane;
+    }
   }
   throw Error(facts::cli::NotAPlane{.text = text}, Location::place(option));
 }

@@ -23,8 +23,11 @@ Eigen::Affine3d map_of(const TransformStep& step) {
 }
 
 void require_invertible(const Eigen::Affine3d& map, const Location& location) {
-  const double size = map.linear().norm();
-  if (!(std::abs(map.linear().determinant()) > 1e-12 * std::pow(size, 3)))
+  const double scale = map.linear().cwiseAbs().maxCoeff();
+  if (scale > 0 && !(scale >= 1e-100 && scale <= 1e100))
+    throw Error(facts::script::PoseScaleBeyondRange{.scale = scale}, location);
+  const Eigen::Matrix3d unit = map.linear() / (scale > 0 ? scale : 1);
+  if (!(std::abs(unit.determinant()) > 1e-12 * std::pow(unit.norm(), 3)))
     throw Error(facts::script::PoseFlattens{}, location);
 }
 

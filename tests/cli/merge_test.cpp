@@ -66,6 +66,7 @@ TEST_F(CommandLine, RefusesMergesThatMakeNoSense) {
       {"merge sheet.obj sheet.obj -o o.ply --reach 5ringworm", 2, "--reach: '5ringworm' is not"},
       {"merge sheet.obj sheet.obj -o o.ply --band 1.5", 2, "--band: '1.5' is not a whole number from 0 to 100"},
       {"merge sheet.obj sheet.obj -o o.ply --mirror 0,0,0,0,0,0", 2, "--mirror: the plane's normal is zero"},
+      {"merge edit.json sheet.obj -o o.ply", 2, "edit.json: an edit file takes no SOURCE"},
       {"merge sheet.obj sheet.obj -o o.ply --report ./o.ply", 2, "./o.ply: two outputs have this name"},
       {"merge sheet.obj sheet.obj -o o.ply --report r.json --save-edit ./r.json", 2,
        "two outputs have this name"},

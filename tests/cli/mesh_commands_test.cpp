@@ -115,7 +115,10 @@ TEST_F(CommandLine, CutRefusesWhatItCannotDo) {
   expect("sheet.obj --plane x=1 --loop 1,2,3 -o out.ply", 2, "--plane");
   expect("sheet.obj --plane w=1 -o out.ply", 2, "not a");
   expect("sheet.obj --plane x=1x -o out.ply", 2, "'1x' is not a number");
-  expect("sheet.obj --plane 1,2,3 -o out.ply", 2, "is not a plane");
+  for (const std::string plane : {"1,2,3", "w=0.2", "x", "x=", "0.2"})
+    expect("sheet.obj --plane " + plane + " -o out.ply", 2, "'" + plane + "' is not a plane");
+  expect("sheet.obj --plane x=99 -o out.ply", 3, "Move the plane");
+  expect("sheet.obj --plane x=0.5 --pin-count 1.5 -o out.ply", 2, "'1.5' is not a whole number from 1 to 32");
   expect("sheet.obj --plane x=nan -o out.ply", 2, "--plane: 'nan' is not a finite number");
   expect("sheet.obj --plane 0,0,0,0,0,0 -o out.ply", 2, "--plane: the plane's normal is zero");
   expect("sheet.obj --plane x=1e999 -o out.ply", 2, "--plane: '1e999' is too large");

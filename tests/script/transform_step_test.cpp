@@ -123,6 +123,20 @@ TEST_F(TransformStepTest, RefusesWhatFlattens) {
   }
 }
 
+TEST_F(TransformStepTest, NamesAScaleBeyondRange) {
+  for (const std::string pose :
+       {R"({"scale": 1e200})", R"({"scale": 1e-200})", R"({"scale": [1, 1, 1e110]})"}) {
+    try {
+      run_edit(edit(R"({"kind": "transform", "mesh": "bar", "pose": )" + pose + "}"));
+      ADD_FAILURE() << "accepted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.id(), facts::script::PoseScaleBeyondRange::id);
+      EXPECT_EQ(error.location().text(), "edit.json: steps[0].pose");
+      EXPECT_EQ(error.remedy(), "Choose scales from 1e-100 to 1e100.");
+    }
+  }
+}
+
 TEST_F(TransformStepTest, RefusesNumbersBeyondRange) {
   const std::string step = R"({"kind": "transform", "mesh": "bar", "pose": {"scale": 1e100}})";
   try {
