@@ -104,11 +104,19 @@ void print_merge(const StepReport& step, const std::string& name) {
       seconds.assemble + seconds.factorise, seconds.solve, seconds.seam, retries);
 }
 
+std::string counted(std::int64_t count, const char* one, const char* several) {
+  return fmt::format("{} {}", count, count == 1 ? one : several);
+}
+
 void print_cut(const StepReport& step, const std::string& name) {
-  std::string loops;
-  for (const auto& loop : step.cut->loops) loops += fmt::format("{}{}", loops.empty() ? "" : ", ", loop.size());
-  fmt::print("  {}cut: loops of {} vertices; {} vertices, {} faces are left\n", name, loops,
-             step.counts.vertices, step.counts.faces);
+  const CutOutcome& cut = *step.cut;
+  std::vector<std::string> sizes;
+  for (const auto& loop : cut.loops) sizes.push_back(std::to_string(loop.size()));
+  const std::string along =
+      sizes.size() == 1 ? fmt::format("a loop of {}", counted(cut.loops[0].size(), "vertex", "vertices"))
+                        : fmt::format("loops of {} vertices", fmt::join(sizes, ", "));
+  fmt::print("  {}cut along {}; {}, {} are left\n", name, along,
+             counted(step.counts.vertices, "vertex", "vertices"), counted(step.counts.faces, "face", "faces"));
 }
 
 void print_repair(const StepReport& step, const std::string& name) {
@@ -118,8 +126,8 @@ void print_repair(const StepReport& step, const std::string& name) {
 }
 
 void print_sculpt(const StepReport& step, const std::string& name) {
-  fmt::print("  {}{}: {} vertices; the farthest moved {:.4g}\n", name, to_string(step.sculpt->action),
-             step.sculpt->region, step.sculpt->max_displacement);
+  fmt::print("  {}{}: {}; the farthest moved {:.4g}\n", name, to_string(step.sculpt->action),
+             counted(step.sculpt->region, "vertex", "vertices"), step.sculpt->max_displacement);
   if (step.sculpt->new_self_intersections > 0)
     fmt::print("  {}new self-intersections: {}\n", name, step.sculpt->new_self_intersections);
 }
@@ -137,15 +145,14 @@ void print_quality(const EditReport& report, const Points& rest) {
       quality.volume_ratio ? fmt::format(", volume {}", percent_change(*quality.volume_ratio)) : std::string();
   const std::string intersections =
       quality.new_self_intersections
-          ? fmt::format(", {} new self-intersections", *quality.new_self_intersections)
+          ? ", " + counted(*quality.new_self_intersections, "new self-intersection", "new self-intersections")
           : std::string();
   const std::string width = quality.narrowest_vertex < 0
                                 ? std::string()
                                 : fmt::format(", narrowest {:.0f} % of its width", 100 * quality.width_min);
-  fmt::print(
-      "  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°{}, {} flipped faces{}\n",
-      100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg, width,
-      quality.flipped_faces, intersections);
+  fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°{}, {}{}\n",
+             100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg,
+             width, counted(quality.flipped_faces, "flipped face", "flipped faces"), intersections);
   if (report.condition_estimate) fmt::print("  condition number at least {:.2g}\n", *report.condition_estimate);
   fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",
              size > 0 ? 100 * report.max_displacement / size : 0.0, report.seconds.total,
