@@ -71,6 +71,7 @@ test("a lasso and a box take what is seen, or what lies behind, too", async () =
   const seen = await selectedAfter(user, () => user.stroke([...around, around[0] as Point]));
   expect(seen.length).toBeGreaterThan(100);
   await user.press("Shift+A");
+  await user.rests(); // the bar of the selection, which lies over the stroke, goes
 
   await holdFrames(user); // as on a machine that draws slowly: the outline has the same shape
   const late = await selectedAfter(user, () => user.stroke([...around, around[0] as Point]));
@@ -78,6 +79,7 @@ test("a lasso and a box take what is seen, or what lies behind, too", async () =
   await user.rests();
   expect(late).toEqual(seen);
   await user.press("Shift+A");
+  await user.rests();
   await user.press("t");
   await user.press("m");
   const all = await selectedAfter(user, () => user.stroke([around[0] as Point, around[2] as Point]));
@@ -91,6 +93,7 @@ test("a lasso and a box take what is seen, or what lies behind, too", async () =
 test("connected parts, all, grown, shrunk and inverted", async () => {
   const { user } = harness;
   await user.press("Shift+A");
+  await user.rests();
   await user.press("c");
   await user.page.mouse.move(...top);
   await user.page.waitForSelector(".tool-status:not([display])", { state: "attached" });
@@ -99,6 +102,7 @@ test("connected parts, all, grown, shrunk and inverted", async () => {
   const part = await selectedAfter(user, () => user.clickAt(top));
   expect(part.length).toBeGreaterThan(1000);
   await user.press("Shift+A");
+  await user.rests();
 
   await user.press("b");
   const brushed = await selectedAfter(user, () => user.stroke([top, [top[0] + 1, top[1]]]));
