@@ -17,10 +17,11 @@ namespace meshgraft {
 
 namespace {
 
-/// Larger surfaces are thinned in chunks of about half as many triangles to as many.
+/// The most triangles of a chunk. Surfaces with more than twice as many are thinned in chunks.
 constexpr std::size_t triangles_of_chunk = std::size_t{1} << 16;
-constexpr double least_share = 0.125;  // that is left of a chunk, whose border stays
+constexpr double least_share = 0.125;  // of a chunk's triangles that is left; its border stays as it is
 
+/// Returns the k-th of some equal pieces of a list.
 template <class T>
 std::span<T> chunk_of(std::span<T> list, std::size_t k, std::size_t chunks) {
   const std::size_t begin = list.size() * k / chunks, end = list.size() * (k + 1) / chunks;
@@ -91,9 +92,10 @@ struct Part {
   std::vector<float> coordinates;
 };
 
+constexpr unsigned no_number = std::numeric_limits<unsigned>::max();
+
 /// Returns the part of a surface with these triangles. `number` is scratch space for each vertex, filled with
 /// `no_number` before and after.
-constexpr unsigned no_number = std::numeric_limits<unsigned>::max();
 Part part_of(std::span<const unsigned> corners, std::span<const unsigned> triangles,
              const std::vector<float>& coordinates, std::vector<unsigned>& number) {
   Part part;
@@ -175,7 +177,8 @@ std::vector<unsigned> thinned(const std::vector<unsigned>& corners, const std::v
           Part part = part_of(corners, triangles, coordinates, number);
           add_locks(part.corners, part.vertices.size(),
                     [&](std::size_t v) { return locked[part.vertices[v]]; });
-          const auto target = static_cast<std::size_t>(share * static_cast<double>(triangles.size()));
+          const std::size_t locks = part.corners.size() / 3 - triangles.size();
+          const auto target = locks + static_cast<std::size_t>(share * static_cast<double>(triangles.size()));
           for (const unsigned v :
                simplified(part.corners, part.coordinates, target, meshopt_SimplifyLockBorder))
             left[k].push_back(part.vertices[v]);

@@ -15,7 +15,8 @@ struct Decimated {
   Triangles triangles;          ///< indices into `vertices`
 };
 
-/// Collapses edges (meshoptimizer) until about `target` evenly spread vertices are left. `locked` flags
+/// Collapses edges (meshoptimizer) until about `target` evenly spread vertices are left. Large surfaces are
+/// first thinned in chunks, in parallel; the result is the same for any number of threads. `locked` flags
 /// vertices that no collapse removes. More vertices are left where the topology forbids collapses. `normals`
 /// are the surface's unit normals. Vertices without a face are left out. So are those of pockets, whose faces
 /// lie back to back after the collapses, even where they are locked. `target` must be less than the number
