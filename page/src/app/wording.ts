@@ -410,6 +410,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: "the ring of faces at the model's loop cannot be taken away without cutting off more",
     remedy: "Cancel the graft and mend the model: it is not an oriented manifold there.",
   }),
+  "merge.pieces_scaled_apart": ({ least, most }) => ({
+    problem: `the pieces of the part take the sizes of their loops: they are scaled by ${formatNumber(least, 3)} to ${formatNumber(most, 3)}`,
+    remedy: "A size of your choice scales all alike.",
+  }),
   "merge.retried": ({ faults_before, faults, tries }) => ({
     problem: `the first try had ${counted(faults_before, "fault")} at the seam (inverted, folded or intersecting faces), this one has ${faults}; ${tries} were tried`,
   }),
@@ -441,10 +445,6 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "merge.source_inverted": ({ vertices }) => ({
     problem: `the part turns inside out at ${counted(vertices, "vertex", "vertices")}; another rotation or more matches may help`,
-  }),
-  "merge.pieces_scaled_apart": ({ least, most }) => ({
-    problem: `the pieces of the part take the sizes of their loops: they are scaled by ${formatNumber(least, 3)} to ${formatNumber(most, 3)}`,
-    remedy: "A size of your choice scales all alike.",
   }),
   "merge.source_matched_twice": ({ source, target, other_target }) => ({
     problem: `vertex ${source} of the part is matched with two vertices of the model, ${target} and ${other_target}`,

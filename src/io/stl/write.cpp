@@ -202,20 +202,14 @@ class StlComposer {
 
   /// Returns the number of used vertices that have the coordinates of an earlier one in the file.
   Index joined_vertices(const Flags& used) const {
+    std::vector<FloatPoint> points;
+    for (Index v = 0; v < mesh_.vertex_count(); ++v)
+      if (used[v]) points.push_back(to_floats(mesh_.positions, v));
+    if (points.empty()) return 0;
     MemoryBudget unlimited(std::numeric_limits<std::uint64_t>::max());
-    PointIndex<float> points(static_cast<std::size_t>(mesh_.vertex_count()), unlimited);
-    Index joined = 0, next = 0;
-    for (Index v = 0; v < mesh_.vertex_count(); ++v) {
-      if (!used[v]) continue;
-      const FloatPoint point = to_floats(mesh_.positions, v);
-      Index number = 0;
-      points.add({&point, 1}, &number);
-      if (number < next)
-        ++joined;
-      else
-        ++next;
-    }
-    return joined;
+    std::vector<Index> numbers(points.size());
+    PointIndex<float>(points.size(), unlimited).add(points, numbers.data());
+    return static_cast<Index>(points.size()) - 1 - *std::ranges::max_element(numbers);
   }
 
   const Mesh& mesh_;
