@@ -40,7 +40,10 @@ std::string settings_of(const MergeReport& report) {
     settings.push_back(fmt::format("a normal angle of {:.3g}°", retry.normal_angle_deg));
   if (retry.size != 0) settings.push_back(fmt::format("size {:.6g}", retry.size));
   if (retry.start != 0 || retry.start_shift != 0) {
-    const Match& start = report.pairs.front().start;
+    const PairReport& pair = report.pairs.front();  // a retry is of one pair
+    const Match& start = retry.start_shift == 0 && !pair.starts.empty()
+                             ? pair.starts[static_cast<std::size_t>(retry.start)].start
+                             : pair.start;
     settings.push_back(fmt::format("the start {}:{} (target:source)", start.target, start.source));
   }
   return fmt::format("{}", fmt::join(settings, ", "));
