@@ -57,6 +57,7 @@ function offModel(): Promise<Point> {
 
 /** Holds the tip of an arm. */
 async function hold(): Promise<void> {
+  await user.rests();
   const at = await aimAt(user, farthest(sampled(harness, "octopus", 60), [1, -0.3, 0]));
   await user.press("h");
   await user.stroke([at, beside(at, -6, 4)]);
