@@ -103,14 +103,18 @@ class Mailbox : public Channel {
     put({std::move(parts), std::string(slot)});
   }
 
-  std::optional<Message> take() {
+  /// Returns the next message, or none if it is a frame and frames must wait.
+  std::optional<Message> take(bool frames_wait) {
     const std::lock_guard lock(mutex_);
-    if (waiting_.empty()) return std::nullopt;
+    if (waiting_.empty() || (frames_wait && is_frame(waiting_.front()))) return std::nullopt;
     Message message = std::move(waiting_.front());
     waiting_.pop_front();
     bytes_ -= size_of(message);
     return message;
   }
+
+  /// Returns whether a message is binary and replaceable.
+  static bool is_frame(const Message& message) { return message.content.index() == 1 && !message.slot.empty(); }
 
   void close() {
     const std::lock_guard lock(mutex_);
@@ -158,7 +162,13 @@ class Mailbox : public Channel {
 class Connection {
  public:
   Connection(asio::io_context& io, beast::tcp_stream stream)
-      : socket_(std::move(stream)), wake_(io, asio::steady_timer::time_point::max()) {}
+      : socket_(std::move(stream)), wake_(io, asio::steady_timer::time_point::max()) {
+    socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
+      if (kind != websocket::frame_type::pong) return;
+      awaits_pong_ = false;
+      wake_.cancel();
+    });
+  }
   ~Connection() { mailbox_->close(); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -178,10 +188,12 @@ class Connection {
   Socket& socket() { return socket_; }
   const std::shared_ptr<Mailbox>& mailbox() const { return mailbox_; }
 
-  /// Writes the messages from the mailbox until the socket closes.
+  /// Writes the messages from the mailbox until the socket closes. A ping follows each frame, and the next frame
+  /// waits for the pong: the socket's buffers would otherwise hold seconds of frames for a tab that reads slowly,
+  /// and each would show a pose of long ago.
   asio::awaitable<void> write() {
     while (!closed_) {
-      const std::optional<Mailbox::Message> message = mailbox_->take();
+      const std::optional<Mailbox::Message> message = mailbox_->take(awaits_pong_);
       if (!message) {
         error_code woken;
         co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, woken));
@@ -195,6 +207,7 @@ class Connection {
         if (closed_) break;
         co_await write_one(asio::buffer(part), false);
       }
+      if (Mailbox::is_frame(*message)) co_await write_ping();
     }
   }
 
@@ -221,9 +234,17 @@ class Connection {
     if (failed) close();
   }
 
+  asio::awaitable<void> write_ping() {
+    error_code failed;
+    awaits_pong_ = true;
+    co_await socket_.async_ping({}, asio::redirect_error(asio::use_awaitable, failed));
+    if (failed) close();
+  }
+
   Socket socket_;
   asio::steady_timer wake_;
   std::shared_ptr<Mailbox> mailbox_;
+  bool awaits_pong_ = false;
   bool closed_ = false;
 };
 

@@ -344,6 +344,23 @@ TEST(Server, DropsSupersededMessages) {
   EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end()));
 }
 
+// Frames that are small enough for the socket's buffers would otherwise all be sent, and seen late.
+TEST(Server, AFrameWaitsUntilTheTabHasReadTheOneBefore) {
+  Running server;
+  Tab tab(server);
+  server.sessions.wait_for_open(1);
+  const std::shared_ptr<Channel> channel = server.sessions.channels.front();
+  constexpr int frames = 20;
+  for (int frame = 0; frame < frames; ++frame) {
+    channel->send_bytes(std::make_shared<ByteParts>(2, std::vector(100, static_cast<std::byte>(frame))), "frame");
+    std::this_thread::sleep_for(5ms);
+  }
+  std::vector<int> heard;
+  while (heard.size() < 2 || heard.back() != frames - 1 || heard[heard.size() - 2] != frames - 1)
+    heard.push_back(static_cast<unsigned char>(tab.hear().at(0)));
+  EXPECT_LE(heard.size(), 4u);  // two parts each of an early frame and of the last
+}
+
 TEST(Server, DisconnectsATabForWhichTooMuchWaits) {
   ServerOptions options;
   options.queue_limit = std::size_t{1} << 20;
