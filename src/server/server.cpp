@@ -47,6 +47,7 @@ using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
 constexpr std::size_t header_limit = 16 * 1024;
+constexpr std::chrono::seconds longest_wait_for_pong(5);
 
 /// Allows only the page's own files and this server; `blob:` and `data:` are for pictures that the page
 /// makes. No page may frame this one, except those of the given origins.
@@ -103,7 +104,7 @@ class Mailbox : public Channel {
     put({std::move(parts), std::string(slot)});
   }
 
-  /// Returns the next message, or none if it is a frame and frames must wait.
+  /// Returns the next message, or none if it is a frame and frames must wait. Messages keep their order.
   std::optional<Message> take(bool frames_wait) {
     const std::lock_guard lock(mutex_);
     if (waiting_.empty() || (frames_wait && is_frame(waiting_.front()))) return std::nullopt;
@@ -113,8 +114,10 @@ class Mailbox : public Channel {
     return message;
   }
 
-  /// Returns whether a message is binary and replaceable.
-  static bool is_frame(const Message& message) { return message.content.index() == 1 && !message.slot.empty(); }
+  /// Returns whether a message is binary and has a slot.
+  static bool is_frame(const Message& message) {
+    return !std::holds_alternative<std::string>(message.content) && !message.slot.empty();
+  }
 
   void close() {
     const std::lock_guard lock(mutex_);
@@ -161,8 +164,7 @@ class Mailbox : public Channel {
 /// The socket of one tab. Used only on the server's thread.
 class Connection {
  public:
-  Connection(asio::io_context& io, beast::tcp_stream stream)
-      : socket_(std::move(stream)), wake_(io, asio::steady_timer::time_point::max()) {
+  Connection(asio::io_context& io, beast::tcp_stream stream) : socket_(std::move(stream)), wake_(io) {
     socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
       if (kind != websocket::frame_type::pong) return;
       awaits_pong_ = false;
@@ -188,15 +190,17 @@ class Connection {
   Socket& socket() { return socket_; }
   const std::shared_ptr<Mailbox>& mailbox() const { return mailbox_; }
 
-  /// Writes the messages from the mailbox until the socket closes. A ping follows each frame, and the next frame
-  /// waits for the pong: the socket's buffers would otherwise hold seconds of frames for a tab that reads slowly,
-  /// and each would show a pose of long ago.
+  /// Writes the messages from the mailbox until the socket closes. A ping follows each frame, and the next
+  /// frame waits for the pong: the socket's buffers would otherwise hold seconds of frames for a tab that reads
+  /// slowly, and each would show a pose of long ago. The wait has an end, for clients that answer no ping.
   asio::awaitable<void> write() {
     while (!closed_) {
       const std::optional<Mailbox::Message> message = mailbox_->take(awaits_pong_);
       if (!message) {
         error_code woken;
+        wake_.expires_at(awaits_pong_ ? pong_due_ : asio::steady_timer::time_point::max());
         co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, woken));
+        if (!woken) awaits_pong_ = false;
         continue;
       }
       if (const auto* text = std::get_if<std::string>(&message->content)) {
@@ -237,6 +241,7 @@ class Connection {
   asio::awaitable<void> write_ping() {
     error_code failed;
     awaits_pong_ = true;
+    pong_due_ = std::chrono::steady_clock::now() + longest_wait_for_pong;
     co_await socket_.async_ping({}, asio::redirect_error(asio::use_awaitable, failed));
     if (failed) close();
   }
@@ -244,6 +249,7 @@ class Connection {
   Socket socket_;
   asio::steady_timer wake_;
   std::shared_ptr<Mailbox> mailbox_;
+  asio::steady_timer::time_point pong_due_;
   bool awaits_pong_ = false;
   bool closed_ = false;
 };

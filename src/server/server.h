@@ -34,7 +34,8 @@ class Channel {
   /// page receives only the newest frame.
   virtual void send_text(std::string text, std::string_view slot = {}) = 0;
   /// Does the same with one binary message for each of `parts`. The parts stay together, and are sent or
-  /// dropped together. With a `slot` they wait until the browser has read those sent before with any slot.
+  /// dropped together. With a `slot` they wait, and all messages after them, until the browser has read the
+  /// binary messages that were sent before with any slot.
   virtual void send_bytes(std::shared_ptr<const ByteParts> parts, std::string_view slot = {}) = 0;
 };
 

@@ -76,18 +76,7 @@ class Page:
     def send(self, request):
         """Sends without waiting, and returns the request's number."""
         self.last_id += 1
-        text = json.dumps({**request, "id": self.last_id}).encode()
-        mask = os.urandom(4)
-        length = len(text)
-        head = struct.pack("!BB", 0x81, 0x80 | length) if length < 126 else (
-            struct.pack("!BBH", 0x81, 0x80 | 126, length) if length < 65536 else
-            struct.pack("!BBQ", 0x81, 0x80 | 127, length))
-        masked = (int.from_bytes(text, "big") ^
-                  int.from_bytes((mask * (length // 4 + 1))[:length], "big")).to_bytes(length, "big")
-        try:
-            self.socket.sendall(head + mask + masked)
-        except OSError as error:
-            raise Gone from error
+        self._send_fragment(1, json.dumps({**request, "id": self.last_id}).encode())
         return self.last_id
 
     def reply_to(self, number):
@@ -155,6 +144,19 @@ class Page:
         head, _, body = answer.partition(b"\r\n\r\n")
         return int(head.split()[1]) if head else 0, body.decode()
 
+    def _send_fragment(self, kind, data):
+        mask = os.urandom(4)
+        length = len(data)
+        head = struct.pack("!BB", 0x80 | kind, 0x80 | length) if length < 126 else (
+            struct.pack("!BBH", 0x80 | kind, 0x80 | 126, length) if length < 65536 else
+            struct.pack("!BBQ", 0x80 | kind, 0x80 | 127, length))
+        masked = (int.from_bytes(data, "big") ^
+                  int.from_bytes((mask * (length // 4 + 1))[:length], "big")).to_bytes(length, "big")
+        try:
+            self.socket.sendall(head + mask + masked)
+        except OSError as error:
+            raise Gone from error
+
     def _receive(self):
         try:
             data = self.socket.recv(1 << 16)
@@ -192,6 +194,8 @@ class Page:
             data += more if more_kind == 0 else b""
         if kind == 8:
             raise Gone
+        if kind == 9:
+            self._send_fragment(10, data)  # a pong
         if kind == 1:
             message = json.loads(data)
             if "event" in message:

@@ -352,7 +352,8 @@ TEST(Server, AFrameWaitsUntilTheTabHasReadTheOneBefore) {
   const std::shared_ptr<Channel> channel = server.sessions.channels.front();
   constexpr int frames = 20;
   for (int frame = 0; frame < frames; ++frame) {
-    channel->send_bytes(std::make_shared<ByteParts>(2, std::vector(100, static_cast<std::byte>(frame))), "frame");
+    channel->send_bytes(std::make_shared<ByteParts>(2, std::vector(100, static_cast<std::byte>(frame))),
+                        "frame");
     std::this_thread::sleep_for(5ms);
   }
   std::vector<int> heard;
