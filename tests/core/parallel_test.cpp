@@ -1,10 +1,14 @@
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
@@ -15,6 +19,7 @@
 #include <meshgraft/core/error.h>
 
 #include "core/parallel.h"
+#include "core/reserved_core.h"
 
 namespace meshgraft {
 namespace {
@@ -239,6 +244,32 @@ TEST(ShareOut, CoversEverythingOnce) {
           with_threads(threads));
       EXPECT_EQ(visits, std::vector<int>(static_cast<std::size_t>(count), 1));
     }
+}
+
+/// A loop of many short sleeps uses all threads that it may have.
+TEST(ReservedCore, LeavesOneCoreToOthersWhileItExists) {
+  const auto threads_of_a_loop = [] {
+    std::mutex mutex;
+    std::set<std::thread::id> ids;
+    parallel_blocks(
+        200,
+        [&](std::size_t, std::size_t) {
+          std::this_thread::sleep_for(std::chrono::microseconds(200));
+          const std::lock_guard lock(mutex);
+          ids.insert(std::this_thread::get_id());
+        },
+        {}, 1);
+    return static_cast<int>(ids.size());
+  };
+  const int cores = worker_threads({});
+  EXPECT_LE(threads_of_a_loop(), cores);
+  {
+    const ReservedCore reserved;
+    EXPECT_LE(threads_of_a_loop(), std::max(1, cores - 1));
+  }
+  int most = 0;
+  for (int time = 0; time < 100 && most < cores; ++time) most = std::max(most, threads_of_a_loop());
+  EXPECT_EQ(most, cores);
 }
 
 TEST(RunAbandonable, StopsWaitingWhileTheWorkGoesOn) {

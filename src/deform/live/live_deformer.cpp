@@ -8,6 +8,7 @@
 #include <exception>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <stop_token>
 #include <string_view>
 #include <thread>
@@ -22,6 +23,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/require_between.h"
+#include "core/reserved_core.h"
 #include "core/stopwatch.h"
 #include "deform/facts.h"
 #include "deform/setup/checks.h"
@@ -34,6 +36,11 @@ namespace meshgraft {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+/// Slower quick frames are not smooth at 60 pictures a second.
+constexpr double slow_frame_seconds = 1.0 / 60;
+/// Number of slow frames in a row that an accident, such as a busy machine, does not explain.
+constexpr int many_slow_frames = 3;
 
 /// A pool of position arrays. An array returns to the pool when the last owner of its frame releases it.
 /// Touching as much fresh memory takes as long as computing a linear frame.
@@ -203,6 +210,8 @@ struct LiveDeformer::Impl {
   // Used only by the frames' thread.
   LiveFrame last_quick;
   std::array<std::optional<double>, 3> measured;  ///< relative errors of the accuracies below `exact`
+  int slow_frames = 0;                            ///< number of slow quick frames in a row
+  std::optional<ReservedCore> reserved;           ///< for slow quick frames during the set-up
 
   std::thread builder, painter;
   std::optional<std::stop_callback<std::function<void()>>> outer_stop;
@@ -394,8 +403,14 @@ std::optional<LiveDeformer::Impl::Job> LiveDeformer::Impl::next_job() {
         continue;
       }
     }
+    if (reserved && Clock::now() < settled_at) {
+      changed.wait_until(lock, settled_at);
+      continue;
+    }
+    reserved.reset();
     changed.wait(lock);
   }
+  reserved.reset();
   return std::nullopt;
 }
 
@@ -419,13 +434,18 @@ std::optional<LiveDeformer::Impl::Answer> LiveDeformer::Impl::quickest() const {
 
 /// Starts a job. An exact evaluation that only refines may be stopped by a newer pose. The first frame of a
 /// pose is always finished, because otherwise nothing would be seen while handles move. During the set-up a
-/// quick frame uses one thread: its loops are short and would wait for busy threads.
+/// quick frame uses one thread: its loops are short and would wait for busy threads. If such frames are slow, a
+/// core is reserved for them until the handles rest.
 LiveDeformer::Impl::Job LiveDeformer::Impl::take(Answer answer) {
   tried = answer.accuracy;
   exact_runs = answer.accuracy == FrameAccuracy::exact;
   const bool refines = exact_runs && shown;
   if (refines) refinement = std::stop_source();
   const bool alone = exact_runs || stage == LiveStage::ready || stage == LiveStage::proxy_only;
+  if (alone)
+    reserved.reset();
+  else if (!reserved && slow_frames >= many_slow_frames)
+    reserved.emplace();
   const Context how{alone ? context.threads : 1, {}, refines ? refinement.get_token() : stop.get_token()};
   return {newest, poses, std::move(answer), how};
 }
@@ -435,6 +455,8 @@ void LiveDeformer::Impl::run(const Job& job) {
   try {
     const std::shared_ptr<Points> positions = pool->take();
     job.answer.evaluate(job.poses, *positions, job.context);
+    if (job.answer.accuracy != FrameAccuracy::exact)
+      slow_frames = watch.seconds() > slow_frame_seconds ? slow_frames + 1 : 0;
     deliver(job, {job.pose, positions, job.answer.accuracy, watch.seconds()});
   } catch (...) {
     refuse(job, current_error());
