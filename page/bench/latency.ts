@@ -2,7 +2,7 @@
 import { cpus, loadavg } from "node:os";
 import type { Page } from "playwright-core";
 import { gripOf } from "../tests/e2e/grips";
-import { closeBrowser, EditorHarness, run } from "../tests/e2e/harness";
+import { closeBrowser, EditorHarness, run, startBrowser } from "../tests/e2e/harness";
 import { recordPictures, recordStretches, type Picture, type Records } from "./probe";
 
 const size = { width: 1280, height: 800 };
@@ -20,10 +20,11 @@ const methods = [
   ["corotational", "corotational, streamed", 0.3],
 ] as const;
 
+/** Times of a picture, ms; `engine` and `transfer`: undefined where the shader moves the surface. */
 interface Shares {
   total: number;
-  engine: number;
-  transfer: number;
+  engine: number | undefined;
+  transfer: number | undefined;
   page: number;
   gpu: number;
 }
@@ -40,7 +41,7 @@ function sharesOf(picture: Picture, records: Records): Shares | undefined {
   const { at, pose, drawn, end } = picture;
   if (at !== undefined) {
     const page = workIn(records, at, drawn);
-    return { total: end - at, engine: 0, transfer: 0, page, gpu: end - at - page };
+    return { total: end - at, engine: undefined, transfer: undefined, page, gpu: end - at - page };
   }
   const asked = records.asked.find((one) => one.pose === pose);
   const arrival = records.arrivals.find((one) => one.pose === pose);
@@ -74,6 +75,7 @@ function spread(values: readonly number[]): string {
 }
 
 async function openMeasured(resolution: number): Promise<{ harness: EditorHarness; row: string[] }> {
+  await startBrowser(true);
   const harness = await EditorHarness.open({ size, before: (page) => page.addInitScript(recordStretches) });
   const model = harness.folder.file("octopus.ply");
   run("sample", "octopus", "--resolution", `${resolution}`, "-o", model);
@@ -176,8 +178,8 @@ async function measureDrags(harness: EditorHarness, triangles: string): Promise<
     const moving = await makeHandle(harness.user.page, method, reach);
     const records = await dragTip(harness, 10);
     const shares = firstOfEach(records.pictures).flatMap((picture) => sharesOf(picture, records) ?? []);
-    const column = (name: keyof Shares) => spread(shares.map((one) => one[name]));
-    const own = spread(shares.map(({ engine, page }) => engine + page));
+    const column = (name: keyof Shares) => spread(shares.flatMap((one) => one[name] ?? []));
+    const own = spread(shares.map(({ engine = 0, page }) => engine + page));
     rows.push([triangles, moving.toLocaleString("en"), label, `${shares.length}`, column("engine"), column("transfer"),
       column("page"), own, column("gpu"), column("total")]);
     if (process.env["MESHGRAFT_BENCH_DETAIL"] !== undefined) tellStretches(records);

@@ -38,7 +38,6 @@ const browserArguments = [
   "--disable-sync",
   "--disable-quic",
   "--disable-gpu-rasterization", // which Debian turns on, and SwiftShader would do
-  "--disable-gpu-compositing", // SwiftShader would put the page together, too
 ];
 
 /** Runs the program with these arguments, and returns what it prints. Throws where it fails. */
@@ -80,9 +79,16 @@ export function putSample(words: readonly string[], file: string): void {
 let browser: Promise<Browser> | undefined;
 
 async function sharedBrowser(): Promise<Browser> {
-  if ((await browser)?.isConnected() !== true)
-    browser = chromium.launch({ executablePath: browserPath, args: browserArguments });
-  return browser as Promise<Browser>;
+  return (await browser)?.isConnected() === true ? (browser as Promise<Browser>) : startBrowser();
+}
+
+/**
+ * Starts the browser of this process. The GPU puts the page together for users, but in tests SwiftShader would have to
+ * do that, too. Without `gpuCompositing`, the page's own thread waits for each picture.
+ */
+export function startBrowser(gpuCompositing = false): Promise<Browser> {
+  const args = gpuCompositing ? browserArguments : [...browserArguments, "--disable-gpu-compositing"];
+  return (browser = chromium.launch({ executablePath: browserPath, args }));
 }
 
 /** Closes the browser of this process, which ends with it otherwise. */
