@@ -31,6 +31,11 @@ bool holds_nothing(const EditStep& asked, const StepReport& step) {
          std::ranges::none_of(deform->handles, is_still);
 }
 
+bool moves_nothing(const EditStep& asked) {
+  const auto* deform = std::get_if<DeformStep>(&asked.action);
+  return deform != nullptr && deform->handles.empty() && deform->anchors.empty() && deform->targets.empty();
+}
+
 // The quality of one step alone is that of the edit, which has a line of its own.
 void print_deform(const EditStep& asked, const StepReport& step, const std::string& name,
                   bool is_one_of_several) {
@@ -43,7 +48,9 @@ void print_deform(const EditStep& asked, const StepReport& step, const std::stri
   if (is_one_of_several && (crossings > 0 || step.quality.flipped_faces > 0))
     fmt::print("  {}new self-intersections: {}, flipped faces: {}\n", name, crossings,
                step.quality.flipped_faces);
-  if (holds_nothing(asked, step))
+  if (moves_nothing(asked))
+    fmt::print("  {}nothing moves it; 'handles', with poses, would\n", name);
+  else if (holds_nothing(asked, step))
     fmt::print("  {}nothing is held in place; a 'fixed' selection, or a smaller region, would hold the rest\n",
                name);
 }
@@ -128,12 +135,18 @@ void print_repair(const StepReport& step, const std::string& name) {
 void print_sculpt(const StepReport& step, const std::string& name) {
   fmt::print("  {}{}: {}; the farthest moved {:.4g}\n", name, to_string(step.sculpt->action),
              counted(step.sculpt->region, "vertex", "vertices"), step.sculpt->max_displacement);
+  if (step.sculpt->max_displacement == 0)
+    fmt::print("  {}nothing moved; a larger 'region' or 'strength' may\n", name);
   if (step.sculpt->new_self_intersections > 0)
     fmt::print("  {}new self-intersections: {}\n", name, step.sculpt->new_self_intersections);
 }
 
 void print_transform(const StepReport& step, const std::string& name) {
   const Eigen::Matrix3d& linear = step.transform->linear();
+  if (step.transform->matrix().isIdentity(0)) {
+    fmt::print("  {}transform: nothing was moved, because the pose is that of rest\n", name);
+    return;
+  }
   fmt::print("  {}transform: the whole mesh was moved, and its volume changed by a factor of {:.4g}\n", name,
              std::abs(linear.determinant()));
 }

@@ -252,6 +252,25 @@ TEST_F(CommandLine, TheSummarySaysWhereNothingIsHeldInPlace) {
   EXPECT_FALSE(says_so(R"({"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]})"));
 }
 
+TEST_F(CommandLine, SaysWhereAStepMovesNothing) {
+  const auto says = [&](const std::string& step) {
+    write("still.json", R"({"format": "meshgraft-edit", "version": 2, "inputs": {"bar": {"sample": "bar"}},
+      "steps": [{"mesh": "bar", )" +
+                            step + "}]}");
+    const Outcome outcome = run("run still.json -o o.ply --force");
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  EXPECT_NE(says(R"("kind": "deform", "fixed": {"half_space": {"point": [0, 0, 1], "normal": [0, 0, -1]}})")
+                .find("nothing moves it"),
+            std::string::npos);
+  EXPECT_NE(says(R"("kind": "sculpt", "action": "flatten", "region": {"indices": [5]})").find("nothing moved"),
+            std::string::npos);
+  EXPECT_NE(says(R"("kind": "transform", "pose": {})").find("nothing was moved"), std::string::npos);
+  EXPECT_NE(says(R"("kind": "transform", "pose": {"translate": [1, 0, 0]})").find("the whole mesh was moved"),
+            std::string::npos);
+}
+
 TEST_F(CommandLine, TheSameBytesWithOneThreadAndWithTwo) {
   ASSERT_EQ(run("deform edit.json -o a.ply --threads 1").status, 0);
   ASSERT_EQ(run("deform edit.json -o b.ply --threads 2").status, 0);

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -106,6 +107,20 @@ TEST(MakePose, IsExactWhereItCanBe) {
   Eigen::Matrix3d quarter;
   quarter << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   EXPECT_EQ(make_pose(motion, far).transform.linear(), quarter);
+}
+
+TEST(MakePose, RefusesNumbersThatAreTooLarge) {
+  HandleMotion turned;
+  turned.angle_deg = -1e6;
+  EXPECT_NO_THROW(make_pose(turned, Eigen::Vector3d::Zero()));
+  turned.angle_deg = -1e18;
+  HandleMotion shifted;
+  shifted.translate.y() = 1e200;
+  for (const auto& [motion, field] : {std::pair{turned, "angle_deg"}, std::pair{shifted, "translate"}}) {
+    const Error error = error_of([&] { make_pose(motion, Eigen::Vector3d::Zero()); });
+    EXPECT_EQ(error.id(), "core.out_of_range");
+    EXPECT_EQ(error.location().text(), field);
+  }
 }
 
 TEST(MakePose, NamesWhatIsWrong) {

@@ -65,7 +65,7 @@ struct Handle {
 struct HandleMotion {
   Eigen::Vector3d translate = Eigen::Vector3d::Zero();  ///< t, model units
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();      ///< rotation axis; need not have unit length
-  double angle_deg = 0;                                 ///< any number of turns
+  double angle_deg = 0;                                 ///< of any number of turns, at most 1e6
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();      ///< per axis
   std::optional<Eigen::Vector3d> pivot{};               ///< c, model units; absent: `handle_pivot`
 };
@@ -87,8 +87,8 @@ Eigen::Vector3d handle_pivot(const Handle& handle, const Points& rest, const Ind
 
 /// Returns the affine map of a motion about `motion.pivot`, or about `default_pivot` if that is absent.
 /// Multiples of 90° are applied without rounding; `HandlePose::rotation` keeps the angle (radians) with all
-/// its turns. Throws Error(input) for a non-finite number, and for an axis of zero length with a non-zero
-/// angle.
+/// its turns. Throws Error(input) for a number that is not finite or too large (translation: 1e100, angle:
+/// 1e6 degrees), and for an axis of zero length with a non-zero angle.
 HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_pivot);
 
 /// Returns the mirror image S ∘ pose ∘ S of a pose under the reflection S. The rotation keeps all its turns:
