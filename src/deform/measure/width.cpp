@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "core/parallel.h"
+#include "crossed_cells.h"
 #include "mesh/ray_tracer.h"
 
 namespace meshgraft {
@@ -17,6 +18,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t most_rays = 20000;
+/// From so many triangles on, it takes less time to leave out those that no ray comes near.
+constexpr std::size_t many_triangles = std::size_t{1} << 18;
 /// A ray leaves a body where the normal of the surface is at most this far from its direction: 60°.
 constexpr double least_cosine = 0.5;
 
@@ -101,6 +104,47 @@ std::vector<Probe> make_probes(const Rest& rest, const EditedMesh& mesh, const s
   return probes;
 }
 
+/// Returns the triangles near the rays. Widths are at most 1.
+std::vector<Index> triangles_near_rays(const Rest& rest, const std::vector<Probe>& probes,
+                                       const std::vector<Index>& triangles, const Context& context) {
+  constexpr double length = 1.001;
+  constexpr std::uint64_t cell_count = std::uint64_t{1} << 27;  // 16 MiB
+  Eigen::AlignedBox3d rays, points;
+  for (const Probe& probe : probes) {
+    const Vector3d from = rest.at(probe.vertex);
+    if (from.allFinite()) rays.extend(from).extend(from + length * probe.inward);
+  }
+  for (Eigen::Index v = 0; v < rest.points.rows(); ++v)
+    if (const Vector3d point = rest.at(static_cast<Index>(v)); point.allFinite()) points.extend(point);
+  const Eigen::AlignedBox3d box = rays.intersection(points);
+  if (box.isEmpty()) return {};
+  CrossedCells crossed(box, cell_count);
+  parallel_blocks(
+      probes.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          const Vector3d from = rest.at(probes[k].vertex);
+          if (from.allFinite()) crossed.add_segment(from, from + length * probes[k].inward);
+        }
+      },
+      context, 64);
+  Flags is_near(triangles.size(), 0);
+  parallel_blocks(
+      triangles.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          Eigen::AlignedBox3d triangle;
+          for (int c = 0; c < 3; ++c) triangle.extend(rest.corner(triangles[k], c));
+          is_near[k] = crossed.may_meet(triangle);
+        }
+      },
+      context, 4096);
+  std::vector<Index> near;
+  for (std::size_t k = 0; k < triangles.size(); ++k)
+    if (is_near[k]) near.push_back(triangles[k]);
+  return near;
+}
+
 }  // namespace
 
 Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> is_free,
@@ -113,8 +157,9 @@ Narrowest find_narrowest(const EditedMesh& mesh, std::span<const std::uint8_t> i
   if (!(size > 0) || !std::isfinite(size)) return {};
   const Rest rest{mesh.rest, mesh.triangles, box.center(), size};
   context.throw_if_stopped();
-  const std::vector<Index> near = triangles_near(rest, box, context);
+  std::vector<Index> near = triangles_near(rest, box, context);
   const std::vector<Probe> probes = make_probes(rest, mesh, near, vertices);
+  if (near.size() >= many_triangles) near = triangles_near_rays(rest, probes, near, context);
   std::vector<RayTriangle> traced(near.size());
   parallel_blocks(
       near.size(),
