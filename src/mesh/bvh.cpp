@@ -29,18 +29,40 @@ Bvh::Range Bvh::positions(Node node) const {
   return {begin(in_level), begin(in_level + 1)};
 }
 
-Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
-    : depth_(depth_for(boxes.size())),
-      items_(boxes.size()),
-      item_boxes_(boxes.size()),
-      node_boxes_(std::size_t{2} << depth_) {
-  std::vector<Entry> entries(boxes.size());
+Bvh::Bvh(std::size_t count, const std::function<BoundingBox(std::size_t)>& box_of, const Context& context)
+    : depth_(depth_for(count)), items_(count) {
+  order_items(box_of, context);
+  item_boxes_.resize(count);
+  node_boxes_.resize(std::size_t{2} << depth_);
   parallel_blocks(
-      boxes.size(),
+      first_leaf(),
+      [&](std::size_t begin, std::size_t end) {
+        for (Node leaf = first_leaf() + static_cast<Node>(begin); leaf < first_leaf() + static_cast<Node>(end);
+             ++leaf) {
+          const Range range = positions(leaf);
+          for (auto k = static_cast<std::size_t>(range.begin); k < static_cast<std::size_t>(range.end); ++k) {
+            item_boxes_[k] = box_of(static_cast<std::size_t>(items_[k]));
+            node_boxes_[leaf].include(item_boxes_[k]);
+          }
+        }
+      },
+      context);
+  for (std::size_t node = static_cast<std::size_t>(first_leaf()) - 1; node >= 1; --node) {
+    node_boxes_[node] = node_boxes_[2 * node];
+    node_boxes_[node].include(node_boxes_[2 * node + 1]);
+  }
+}
+
+// Sorts the items to their positions. Its working memory is given back before the boxes need theirs.
+void Bvh::order_items(const std::function<BoundingBox(std::size_t)>& box_of, const Context& context) {
+  std::vector<Entry> entries(items_.size());
+  parallel_blocks(
+      entries.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
+          const BoundingBox box = box_of(k);
           for (std::size_t axis = 0; axis < 3; ++axis)
-            entries[k].centre[axis] = boxes[k].low[axis] / 2 + boxes[k].high[axis] / 2;
+            entries[k].centre[axis] = box.low[axis] / 2 + box.high[axis] / 2;
           entries[k].item = static_cast<Index>(k);
         }
       },
@@ -66,23 +88,11 @@ Bvh::Bvh(const std::vector<BoundingBox>& boxes, const Context& context)
   });
 
   parallel_blocks(
-      first_leaf(),
+      entries.size(),
       [&](std::size_t begin, std::size_t end) {
-        for (Node leaf = first_leaf() + static_cast<Node>(begin); leaf < first_leaf() + static_cast<Node>(end);
-             ++leaf) {
-          const Range range = positions(leaf);
-          for (auto k = static_cast<std::size_t>(range.begin); k < static_cast<std::size_t>(range.end); ++k) {
-            items_[k] = entries[k].item;
-            item_boxes_[k] = boxes[items_[k]];
-            node_boxes_[leaf].include(item_boxes_[k]);
-          }
-        }
+        for (std::size_t k = begin; k < end; ++k) items_[k] = entries[k].item;
       },
-      context);
-  for (std::size_t node = static_cast<std::size_t>(first_leaf()) - 1; node >= 1; --node) {
-    node_boxes_[node] = node_boxes_[2 * node];
-    node_boxes_[node].include(node_boxes_[2 * node + 1]);
-  }
+      context, 4096);
 }
 
 // Splits a node's items at their median.

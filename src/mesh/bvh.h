@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -51,8 +53,9 @@ class Bvh {
     Index begin, end;
   };
 
-  /// Builds the tree with one item per box; item k is box k. Boxes must be finite.
-  explicit Bvh(const std::vector<BoundingBox>& boxes, const Context& context = {});
+  /// Builds the tree of `count` items. `box_of(k)` returns the box of item k, which must be finite; it is
+  /// called twice for each, by several threads at once.
+  Bvh(std::size_t count, const std::function<BoundingBox(std::size_t)>& box_of, const Context& context = {});
 
   Index size() const { return static_cast<Index>(items_.size()); }
   Index item(Index position) const { return items_[position]; }
@@ -75,6 +78,7 @@ class Bvh {
 
  private:
   struct Entry;
+  void order_items(const std::function<BoundingBox(std::size_t)>& box_of, const Context& context);
   void split(std::vector<Entry>& entries, Node node) const;
 
   template <class Enter, class Visit>

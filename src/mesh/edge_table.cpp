@@ -123,8 +123,13 @@ void append_edges(Index v, const Triangles& triangles, std::span<const Index> fa
 
 std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles,
                                      const Context& context) {
+  return list_edges_from(0, vertex_triangles.size(), triangles, vertex_triangles, context);
+}
+
+std::vector<TriangleEdge> list_edges_from(Index first, Index last, const Triangles& triangles,
+                                          const IndexLists& vertex_triangles, const Context& context) {
   constexpr std::size_t block_size = 8192;  // vertices
-  const auto count = static_cast<std::size_t>(vertex_triangles.size());
+  const auto count = static_cast<std::size_t>(last - first);
   std::vector<std::vector<TriangleEdge>> blocks((count + block_size - 1) / block_size);
   parallel_blocks(
       blocks.size(),
@@ -132,8 +137,8 @@ std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexList
         std::vector<EdgeSide> sides;
         for (std::size_t block = begin; block < end; ++block)
           for (std::size_t v = block * block_size; v < std::min(count, (block + 1) * block_size); ++v)
-            append_edges(static_cast<Index>(v), triangles, vertex_triangles[static_cast<Index>(v)], sides,
-                         blocks[block]);
+            append_edges(first + static_cast<Index>(v), triangles,
+                         vertex_triangles[first + static_cast<Index>(v)], sides, blocks[block]);
       },
       context, 1);
   std::size_t total = 0;

@@ -43,4 +43,8 @@ struct TriangleEdge {
 std::vector<TriangleEdge> list_edges(const Triangles& triangles, const IndexLists& vertex_triangles,
                                      const Context& context = {});
 
+/// Lists those edges whose smaller vertex is in [first, last).
+std::vector<TriangleEdge> list_edges_from(Index first, Index last, const Triangles& triangles,
+                                          const IndexLists& vertex_triangles, const Context& context = {});
+
 }  // namespace meshgraft

@@ -175,30 +175,25 @@ struct RayTracer::Builder {
 };
 
 RayTracer::RayTracer(const std::vector<RayTriangle>& triangles, const Context& context) {
-  std::vector<BoundingBox> boxes(triangles.size());
   meshgraft::Flags is_finite(triangles.size(), 0);
   parallel_blocks(
       triangles.size(),
       [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) {
-          bool all_finite = true;
-          for (const Eigen::Vector3f& point : triangles[t]) {
-            all_finite = all_finite && point.allFinite();
-            boxes[t].include(Point3{point.x(), point.y(), point.z()});
-          }
-          is_finite[t] = all_finite;
-        }
+        for (std::size_t t = begin; t < end; ++t)
+          is_finite[t] = std::ranges::all_of(triangles[t], [](const auto& point) { return point.allFinite(); });
       },
       context, 4096);
   std::vector<std::uint32_t> finite;
   finite.reserve(triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (!is_finite[t]) continue;
-    boxes[finite.size()] = boxes[t];
-    finite.push_back(static_cast<std::uint32_t>(t));
-  }
-  boxes.resize(finite.size());
-  const Bvh tree(boxes, context);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (is_finite[t]) finite.push_back(static_cast<std::uint32_t>(t));
+  const auto box_of = [&](std::size_t item) {
+    BoundingBox box;
+    for (const Eigen::Vector3f& point : triangles[finite[item]])
+      box.include(Point3{point.x(), point.y(), point.z()});
+    return box;
+  };
+  const Bvh tree(finite.size(), box_of, context);
   nodes_.reserve(static_cast<std::size_t>(tree.first_leaf()));
   Builder builder{*this, triangles, finite, tree};
   builder.make_packs(context);

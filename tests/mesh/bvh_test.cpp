@@ -81,7 +81,9 @@ TEST(Bvh, FindsTheBoxesThatOverlapAndNoOthers) {
       for (std::size_t j = 0; j < family.boxes.size(); ++j)
         if (family.boxes[i].overlaps(family.boxes[j]))
           expected.emplace_back(static_cast<Index>(i), static_cast<Index>(j));
-    EXPECT_EQ(overlaps_found(Bvh(family.boxes), family.boxes), expected);
+    EXPECT_EQ(
+        overlaps_found(Bvh(family.boxes.size(), [&](std::size_t k) { return family.boxes[k]; }), family.boxes),
+        expected);
   }
 }
 

@@ -219,15 +219,9 @@ FreeSurface::FreeSurface(const Points& points, const Triangles& triangles, std::
     return found;
   };
   free_ = triangles_where([&](const Vertices& v) { return is_free(v) && has_area(corners_of(points, v)); });
-  std::vector<BoundingBox> boxes(free_.size());
-  parallel_blocks(
-      boxes.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k)
-          boxes[k] = box_of(corners_of(points, vertices_of(triangles, free_[k])));
-      },
-      context, 4096);
-  tree_.emplace(boxes, context);
+  tree_.emplace(
+      free_.size(), [&](std::size_t k) { return box_of(corners_of(points, vertices_of(triangles, free_[k]))); },
+      context);
   const BoundingBox& around = tree_->box(Bvh::root);
   others_ = triangles_where(
       [&](const Vertices& v) { return !is_free(v) && around.overlaps(box_of(corners_of(points, v))); });

@@ -459,10 +459,14 @@ QualityTerms measure_terms(const QualityPose& rest, const QualityPose& edited, c
   QualityTerms terms;
   const std::vector<FaceMeasure> faces = measure_faces(rest, edited, surface, terms.sigmas, context);
   std::erase_if(terms.sigmas, [](double sigma) { return std::isnan(sigma); });
-  const std::vector<TriangleEdge> edges = list_edges(surface.triangles, surface.faces_around, context);
-  const std::vector<EdgeMeasure> measures = measure_edges(rest, edited, edges, faces, surface.is_free, context);
   add_faces(faces, surface, terms);
-  add_edges(edges, measures, surface, terms);
+  constexpr Index chunk_size = 1 << 18;  // the edges of so many vertices are kept at a time
+  const Index vertex_count = surface.faces_around.size();
+  for (Index first = 0, last = 0; first < vertex_count; first = last) {
+    last = first + std::min(chunk_size, vertex_count - first);
+    const auto edges = list_edges_from(first, last, surface.triangles, surface.faces_around, context);
+    add_edges(edges, measure_edges(rest, edited, edges, faces, surface.is_free, context), surface, terms);
+  }
   terms.flipped_faces = count_flipped(faces, surface, context);
   return terms;
 }
