@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/repair.h>
 
 #include "defects.h"
 #include "editor/facts.h"
@@ -86,6 +87,9 @@ Json Worker::repair(const json::Value& message, const Context& context) {
     options.weld = false;
     if (!holes) options.hole_edges = 0;
   }
+  // The border of a sheet is a loop, too, but no hole. A step that changes nothing would only be in the way.
+  if (holes && !meshgraft::repair(object->mesh(), options, context).changed())
+    return shown({{"notes", Json::array()}});
   step.update(Json(settings_json(options)));
   Json document = open_one().document().json;
   const std::size_t index = add_mesh_step(document, edit, std::move(step));

@@ -99,6 +99,7 @@ void GraftView::run(const Numbered& numbered, const std::stop_token& stop) {
     told["error"] = error_json(current_error());
   }
   const std::lock_guard lock(mutex_);
+  if (!job.dragged) tell_progress_ended(outbox_, "graft progress");
   if (stop.stop_requested()) return;
   if (!job.dragged) outcome_ = std::move(outcome);
   if (!frame.empty()) outbox_.send(std::move(frame), "graft");

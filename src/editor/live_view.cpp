@@ -120,7 +120,10 @@ bool LiveView::show(const Document& document, Plan plan, const Context& context)
   if (!goes_on) {
     if (shown_.live && !shown_.refined && shares_mesh(plan.key, shown_.key)) earlier = shown_.live->deformer();
     if (plan.setup && shown_.live && settled() && is_roomy()) park();
-    shown_.live.reset();
+    if (shown_.live) {
+      shown_.live.reset();
+      tell_progress_ended(outbox_, "set-up");
+    }
     if (!plan.setup && !plan.resumes) parked_.reset();
   }
   base_ = std::move(plan.base);

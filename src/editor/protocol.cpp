@@ -65,6 +65,10 @@ Json progress_fields(const Json& of, const Progress& progress) {
   return fields;
 }
 
+void tell_progress_ended(const Outbox& outbox, std::string_view slot) {
+  outbox.tell("progress", progress_fields(nullptr, {.stage = "solve", .fraction = 1}), slot);
+}
+
 Json error_json(const Error& error) {
   Json told = to_json(error);
   const ErrorLocation location = parts_of_location(error.location());

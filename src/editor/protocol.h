@@ -46,6 +46,9 @@ class Outbox {
 /// graft in the background.
 Json progress_fields(const Json& of, const Progress& progress);
 
+/// Tells that the work in the background whose progress was told in this slot has ended, done or not.
+void tell_progress_ended(const Outbox& outbox, std::string_view slot);
+
 /// Returns what `to_json` returns, with the parts of the location that the page names: step, handle, pair and
 /// file. `location` is what is left of it within the step.
 Json error_json(const Error& error);

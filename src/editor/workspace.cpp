@@ -541,6 +541,14 @@ std::vector<Json> Workspace::steps_set_aside() const {
   return resumed ? resumed->set_aside() : std::vector<Json>();
 }
 
+// Returns the file of the model that was opened. In an edit file, inputs are in the order of their names.
+std::string Workspace::file_of_model() const {
+  const std::vector<EditInput>& inputs = document_.edit.inputs;
+  const auto opened = std::ranges::find(inputs, fs::path(source_.name).stem().string(), &EditInput::name);
+  if (opened != inputs.end()) return opened->file;
+  return inputs.empty() ? "" : inputs.front().file;
+}
+
 Json Workspace::summary() const {
   Json steps = Json::array(), handles = Json::array(), groups = Json::array(), parts = Json::array();
   Json graft = nullptr;
@@ -568,7 +576,7 @@ Json Workspace::summary() const {
              {"step", document_.json["steps"].back()},
              {"set_aside", set_aside_summary(steps_set_aside())}};
   return {{"name", source_.name},
-          {"file", document_.edit.inputs.empty() ? "" : document_.edit.inputs.front().file},
+          {"file", file_of_model()},
           {"up", axis_name(shown_as_.up)},
           {"front", axis_name(shown_as_.front)},
           {"unit", length_unit(stage_.model->mesh())},

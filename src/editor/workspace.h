@@ -146,6 +146,7 @@ class Workspace {
   std::optional<std::size_t> step_that_ended(const Document& document) const;
   std::optional<std::size_t> set_up_origin() const;
   Json set_up_label() const;
+  std::string file_of_model() const;
   template <class Step>
   void write(Step&& step);
 

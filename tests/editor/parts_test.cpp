@@ -37,6 +37,15 @@ TEST_F(GraftEditor, ShowsAPartBesideTheModel) {
   page_.frame(1, [&](const Frame& frame) { return frame.header["mesh"] == part["mesh"]; });
 }
 
+TEST_F(GraftEditor, NamesTheFileOfTheModelThatWasOpened) {
+  write_mesh(make_sample("bar", 8), folder_ / "zebra.ply");
+  write_mesh(make_sample("bar", 8), folder_ / "ant.ply");
+  page_.ask({{"do", "open"}, {"path", (folder_ / "zebra.ply").string()}});
+  EXPECT_EQ(state()["file"], "zebra.ply");
+  page_.ask({{"do", "part"}, {"what", "add"}, {"path", (folder_ / "ant.ply").string()}});
+  EXPECT_EQ(state()["file"], "zebra.ply") << "inputs are in the order of their names";
+}
+
 TEST_F(GraftEditor, RefusesPartsThatAreNone) {
   EXPECT_EQ(page_.refusal({{"do", "part"}, {"what", "add"}, {"sample", "head"}})["code"], "usage")
       << "nothing is open";

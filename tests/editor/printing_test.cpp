@@ -10,6 +10,7 @@
 
 #include "bar_editing.h"
 #include "support/defects.h"
+#include "support/mesh_families.h"
 
 namespace meshgraft::test {
 namespace {
@@ -84,6 +85,23 @@ TEST_F(PrintingEditor, ClosesAllHolesAsAStep) {
   EXPECT_FALSE(check()["volume"].is_null());
   EXPECT_EQ(page_.refusal({{"do", "repair"}, {"holes", true}})["id"], "editor.nothing_to_repair");
   replayed();
+}
+
+/// The border of a sheet is open, but there is nothing to close.
+TEST_F(PrintingEditor, KeepsNoStepThatClosesNothing) {
+  TestMesh ball = bumpy_sphere(2);
+  const Eigen::Index count = ball.positions.rows(), faces = ball.triangles.rows();
+  ball.positions.conservativeResize(count + 3, 3);
+  ball.positions.bottomRows(3) << 5, 0, 0, 6, 0, 0, 5, 1, 0;
+  ball.triangles.conservativeResize(faces + 1, 3);
+  ball.triangles.row(faces) << static_cast<Index>(count), static_cast<Index>(count + 1),
+      static_cast<Index>(count + 2);
+  open(make_mesh(ball.positions, ball.triangles));
+  const Json before = state();
+  EXPECT_EQ(check()["open_edges"], 3);
+  EXPECT_TRUE(page_.ask({{"do", "repair"}, {"holes", true}})["notes"].empty());
+  EXPECT_EQ(state()["steps"], before["steps"]);
+  EXPECT_EQ(state()["undo"], before["undo"]);
 }
 
 TEST_F(PrintingEditor, ScalesAndTurnsAsSteps) {

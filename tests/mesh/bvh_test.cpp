@@ -14,6 +14,10 @@ namespace meshgraft::test {
 namespace {
 
 using Boxes = std::vector<BoundingBox>;
+
+Bvh tree_of(const Boxes& boxes, const Context& context = {}) {
+  return Bvh(boxes.size(), [&](std::size_t k) { return boxes[k]; }, context);
+}
 using Pairs = std::vector<std::pair<Index, Index>>;
 
 struct Family {
@@ -81,16 +85,14 @@ TEST(Bvh, FindsTheBoxesThatOverlapAndNoOthers) {
       for (std::size_t j = 0; j < family.boxes.size(); ++j)
         if (family.boxes[i].overlaps(family.boxes[j]))
           expected.emplace_back(static_cast<Index>(i), static_cast<Index>(j));
-    EXPECT_EQ(
-        overlaps_found(Bvh(family.boxes.size(), [&](std::size_t k) { return family.boxes[k]; }), family.boxes),
-        expected);
+    EXPECT_EQ(overlaps_found(tree_of(family.boxes), family.boxes), expected);
   }
 }
 
 TEST(Bvh, LeavesShareOutTheItems) {
   for (const Family& family : families()) {
     SCOPED_TRACE(family.name);
-    const Bvh bvh(family.boxes);
+    const Bvh bvh = tree_of(family.boxes);
     Index next = 0;
     std::vector<Index> items;
     for (Bvh::Node leaf = bvh.first_leaf(); leaf < bvh.node_count(); ++leaf) {
@@ -109,7 +111,7 @@ TEST(Bvh, LeavesShareOutTheItems) {
 
 TEST(Bvh, VisitsLeavesInOrderFromTheOneAskedForAndNoneBelowAClosedNode) {
   std::mt19937_64 random(3);
-  const Bvh bvh(random_boxes(500, 0.1, random));
+  const Bvh bvh = tree_of(random_boxes(500, 0.1, random));
   const BoundingBox everything{{-9, -9, -9}, {9, 9, 9}};
   std::vector<Bvh::Node> seen;
   const auto see = [&](Bvh::Node leaf) { seen.push_back(leaf); };
@@ -129,9 +131,9 @@ TEST(Bvh, VisitsLeavesInOrderFromTheOneAskedForAndNoneBelowAClosedNode) {
 TEST(Bvh, TheNumberOfThreadsDoesNotMatter) {
   std::mt19937_64 random(4);
   const Boxes boxes = random_boxes(20'000, 0.05, random);
-  const Bvh one(boxes, {.threads = 1});
+  const Bvh one = tree_of(boxes, {.threads = 1});
   for (const int threads : {0, 2}) {
-    const Bvh other(boxes, {.threads = threads});
+    const Bvh other = tree_of(boxes, {.threads = threads});
     for (Index k = 0; k < one.size(); ++k) ASSERT_EQ(other.item(k), one.item(k));
     for (Bvh::Node node = 1; node < one.node_count(); ++node) {
       ASSERT_EQ(other.box(node).low, one.box(node).low);

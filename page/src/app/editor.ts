@@ -160,8 +160,8 @@ export class Editor {
       ask: (request) => this.ask(request),
       attempt: (request) => this.attempt(request),
       request: (request) => this.connection.request(request),
-      note: (problem, remedy = "", offered?: PageRemedy) =>
-        this.tell("note", { problem, location: "", remedy }, { topic: "graft", offer: this.offerOfPage(offered) }),
+      note: (problem, remedy = "", offered, of) =>
+        this.tell("note", { problem, location: "", remedy }, { of, topic: "graft", offer: this.offerOfPage(offered) }),
       positionsOf: (mesh) => this.viewport.surfaceOf(mesh)?.rest,
     });
     this.marking = new Marking({
@@ -173,7 +173,7 @@ export class Editor {
       state: this.state,
       marking: this.marking,
       ask: (request) => this.ask(request),
-      note: (problem) => this.tell("note", { problem, location: "", remedy: "" }, { topic: "mended" }),
+      note: (problem) => this.tell("note", { problem, location: "", remedy: "" }, { of: "repair", topic: "mended" }),
     });
     this.printing = new Printing({
       state: this.state,
@@ -407,7 +407,7 @@ export class Editor {
   async shape(request: Extract<PageRequest, { do: "sculpt" }>): Promise<void> {
     const answer = await this.ask(request);
     const problem = answer === undefined ? undefined : shapedWords(answer);
-    if (problem !== undefined) this.tell("note", { problem, location: "", remedy: "" }, { topic: "shaped" });
+    if (problem !== undefined) this.tell("note", { problem, location: "", remedy: "" }, { of: "sculpt", topic: "shaped" });
   }
 
   /** Changes the colour of a group and nothing else. */
@@ -530,6 +530,7 @@ export class Editor {
   }
 
   private noteProgress(event: Event<"progress">): void {
+    if (event.of !== null && !this.working.value.has(event.of)) return; // the request has been answered meanwhile
     const all = new Map(this.progress.value);
     if (event.fraction >= 1) all.delete(String(event.of));
     else all.set(String(event.of), event);

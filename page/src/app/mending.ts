@@ -39,11 +39,15 @@ export class Mending {
 
   /** Repairs defects of these kinds; without kinds, all. Tells what was changed. */
   async mend(object: string, kinds?: FindingKind[]): Promise<void> {
-    await this.repair({ do: "repair", mesh: object, ...(kinds === undefined ? {} : { kinds }) });
+    const answer = await this.links.ask({ do: "repair", mesh: object, ...(kinds === undefined ? {} : { kinds }) });
+    if (answer !== undefined) this.links.note(mendedWords(answer.notes ?? []));
   }
 
   async closeHoles(object: string): Promise<void> {
-    await this.repair({ do: "repair", mesh: object, holes: true });
+    const answer = await this.links.ask({ do: "repair", mesh: object, holes: true });
+    if (answer === undefined) return;
+    const { notes = [] } = answer;
+    this.links.note(notes.length > 0 ? mendedWords(notes) : nothingClosed);
   }
 
   /** Repairs all defects of these objects. */
@@ -57,12 +61,9 @@ export class Mending {
     }
     this.links.note(mendedWords(notes));
   }
-
-  private async repair(request: PageRequest): Promise<void> {
-    const answer = await this.links.ask(request);
-    if (answer !== undefined) this.links.note(mendedWords(answer.notes ?? []));
-  }
 }
+
+const nothingClosed = "Nothing was closed: what is open is the border of a sheet, not a hole. Show leads there.";
 
 function keyOf(object: string, kind: FindingKind): string {
   return `${kind} of ${object}`;

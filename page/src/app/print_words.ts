@@ -15,6 +15,8 @@ export interface PrintLine {
   words: string;
   finding?: PrintFinding;
   remedy?: PrintRemedy;
+  /** What a user can do where there is no remedy by a click. */
+  advice?: string;
 }
 
 /** The limits of the check. Lengths are in model units. */
@@ -66,7 +68,7 @@ function facingLine({ turned_edges, inside_out }: PrintCheck): PrintLine {
 function intersectionLine({ intersections }: PrintCheck): PrintLine {
   if (intersections === 0) return { tone: "good", words: "No self-intersections" };
   const words = `${counted(intersections, "self-intersecting pair")} of faces: print shops refuse this`;
-  return { tone: "bad", words, finding: "intersections" };
+  return { tone: "bad", words, finding: "intersections", advice: "Select the places that Show lights up, and Smooth them." };
 }
 
 function wallLines({ thinnest_wall }: PrintCheck, { leastWall, unit }: PrintLimits): PrintLine[] {

@@ -72,8 +72,10 @@ export function DropZone({ page }: { page: Page }) {
       setOver(false);
       const files = [...(event.dataTransfer?.files ?? [])];
       const { unsaved, graft } = page.editor;
-      if (files.length === 0) return;
-      if (unsaved.value && graft.mode.value !== "graft") setAsked(files);
+      const [first] = files;
+      if (first === undefined) return;
+      const replacesWork = unsaved.value && graft.mode.value !== "graft" && refusalOf(first) === undefined;
+      if (replacesWork) setAsked(files);
       else void takeFiles(page, files);
     };
     window.addEventListener("dragenter", enter);

@@ -103,7 +103,7 @@ function CheckedObject({ page }: { page: Page }) {
 }
 
 /** One line of a check, with where it is and a remedy. */
-function PrintRow({ page, line: { tone, words, finding, remedy } }: { page: Page; line: PrintLine }) {
+function PrintRow({ page, line: { tone, words, finding, remedy, advice } }: { page: Page; line: PrintLine }) {
   const { printing } = page.editor;
   const row = useRef<HTMLLIElement>(null);
   const isShown = finding !== undefined && printing.isMarked(finding);
@@ -115,7 +115,10 @@ function PrintRow({ page, line: { tone, words, finding, remedy } }: { page: Page
   return (
     <li ref={row} class={`print-${tone}`}>
       <Icon name={icons[tone]} size={14} />
-      <span class="defect-words">{words}</span>
+      <span class="defect-words">
+        {words}
+        {advice !== undefined && <small> {advice}</small>}
+      </span>
       {finding !== undefined && (
         <Button label={isShown ? "Hide" : "Show"} kind="quiet" onClick={() => void toggle(finding)} />
       )}

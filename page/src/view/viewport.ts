@@ -404,7 +404,8 @@ export class Viewport {
 
   private render(): void {
     const { renderer, host, pipeline, settings } = this;
-    if (renderer === undefined || pipeline === undefined || host === undefined || host.clientHeight === 0) return;
+    if (renderer === undefined || pipeline === undefined || host === undefined) return;
+    if (host.clientWidth === 0 || host.clientHeight === 0) return; // a camera without proportions has no place
     if (this.main !== undefined && this.main.object.parent === null) return; // being sent to the GPU
     const start = performance.now();
     this.resize(renderer, host);

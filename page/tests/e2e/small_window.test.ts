@@ -137,3 +137,32 @@ test("a field that refuses a number says why, and the words cover nothing", asyn
   expect(covered).toBe(0);
   expect(user.complaints).toEqual([]);
 });
+
+test("in the window of a phone, the panels lie over the view and every button is in reach", async () => {
+  harness = await EditorHarness.open({ size: { width: 390, height: 800 } });
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("bar", 8);
+  await user.screenshot("phone");
+  for (const name of ["Save", "Export", "Panels", "Help"]) {
+    const box = await page.locator(".header").getByRole("button", { name: new RegExp(`^${name}`) }).first().boundingBox();
+    expect((box?.x ?? 0) + (box?.width ?? Infinity), name).toBeLessThanOrEqual(390);
+  }
+  const width = () => page.evaluate(() => document.querySelector(".view")?.clientWidth ?? 0);
+  expect(await width()).toBeGreaterThan(300);
+  await user.click("Panels");
+  await page.getByRole("complementary", { name: "Panels" }).waitFor({ state: "detached" });
+  await user.settle();
+  await user.screenshot("phone-folded");
+
+  const camera = () => page.evaluate(() => window.meshgraft.viewport.camera.position.toArray());
+  for (const size of [{ width: 40, height: 700 }, { width: 1280, height: 60 }]) {
+    await page.setViewportSize(size);
+    await page.waitForTimeout(100);
+  }
+  await page.setViewportSize({ width: 1280, height: 800 });
+  await user.settle();
+  expect((await camera()).every(Number.isFinite)).toBe(true);
+  await user.screenshot("phone-widened");
+  expect(user.complaints).toEqual([]);
+});

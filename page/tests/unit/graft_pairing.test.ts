@@ -43,6 +43,13 @@ beforeEach(() => {
 const pair = () => graft.pair({ mesh: 1, loop: 2 }, { mesh: 2, loop: 3 });
 const loops = { source_loop: { loop: 3 }, target_loop: { loop: 2 } };
 
+test("a double click accepts once", async () => {
+  await Promise.all([graft.accept(), graft.accept()]);
+  expect(asked).toEqual([{ do: "accept" }]);
+  await graft.accept();
+  expect(asked.length).toBe(2);
+});
+
 test("the result is shown as soon as there is one", async () => {
   graft.arrangement.value = "apart";
   await pair();

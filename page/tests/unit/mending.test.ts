@@ -67,6 +67,12 @@ describe("mending", () => {
     await mending.toggle("a", "coordinate-too-large");
     expect([told.length, marking.marked.value]).toEqual([1, null]);
   });
+  test("says if nothing that is open can be closed", async () => {
+    const { mending, asked, told } = mendingOf(stateOf([], []), { notes: [] });
+    await mending.closeHoles("a");
+    expect(asked).toEqual([{ do: "repair", mesh: "a", holes: true }]);
+    expect(told).toEqual([expect.stringMatching(/^Nothing was closed: /)]);
+  });
   test("waits for a graft to end", () => {
     const state = { ...stateOf([turned], []), graft: { graft: 1, step: {}, set_aside: [] } };
     expect(mendingOf(state).mending.canMend.value).toBe(false);

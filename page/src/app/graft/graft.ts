@@ -97,6 +97,7 @@ export class Graft {
 
   private readonly drags = new Throttled<GraftFields>((fields) => this.sendDrag(fields));
   private readonly requestedLoops = new Set<number>(); // meshes whose loops were requested
+  private accepting: Promise<void> | undefined;
   private newest = 0; // number of the newest graft that the engine reported
 
   constructor(private readonly host: GraftHost) {}
@@ -278,8 +279,9 @@ export class Graft {
         `Split into ${mesh} (${first}) and ${name} (${second})`,
         [`${name} is under Parts: hide it, export it, or make it the model.`, ...more].join(" "),
         "parts",
+        "cut",
       );
-    else if (more.length > 0) this.host.note("Cut.", more.join(" "));
+    else if (more.length > 0) this.host.note("Cut.", more.join(" "), undefined, "cut");
   }
   private cutRequest(keep: Side): CutRequest | undefined {
     const { value: plane } = this.cutPlane;
@@ -330,7 +332,11 @@ export class Graft {
   cancel(): Promise<Outcome | undefined> {
     return this.host.ask({ do: "graft", what: "cancel" });
   }
-  async accept(): Promise<void> {
+  /** Finishes the graft. A second call before the answer, as by a double click, does nothing more. */
+  accept(): Promise<void> {
+    return (this.accepting ??= this.acceptNow().finally(() => (this.accepting = undefined)));
+  }
+  private async acceptNow(): Promise<void> {
     const done = await this.host.ask({ do: "accept" });
     if (done !== undefined) this.arrangement.value = "result";
   }

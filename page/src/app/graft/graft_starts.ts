@@ -61,6 +61,19 @@ export class GraftStarts {
     if (curves === undefined || start === undefined || base === undefined) return 0;
     return twistDeg(curves.source, curves.target, base, start);
   }
+  /** Returns the twist that a candidate has; undefined while the loops are not known. */
+  twistOfCandidate(pair: Pair, { start }: StartCandidate): number | undefined {
+    const curves = this.curvesOf(pair);
+    const base = this.untwisted(pair);
+    const vertices = verticesOfMatch(start);
+    if (curves === undefined || base === undefined || vertices === undefined) return undefined;
+    return twistDeg(curves.source, curves.target, base, vertices);
+  }
+  /** Returns whether a pair has the start of one of its candidates. */
+  isCandidate(index: number): boolean {
+    const pair = this.graft.pairs.value[index];
+    return pair?.start !== undefined && this.candidatesOf(index).some(({ start }) => String(start) === String(pair.start));
+  }
   /** Returns all pairs, with one of them twisted by an angle. */
   withTwist(index: number, angleDeg: number): readonly Pair[] | undefined {
     const pair = this.graft.pairs.value[index];

@@ -44,7 +44,8 @@ export interface GraftHost {
   attempt(request: PageRequest): Promise<Outcome | Failure>;
   request(request: PageRequest): Promise<Outcome>;
   /** Tells the user something that is not a failure. */
-  note(problem: string, remedy: string, offered?: PageRemedy): void;
+  /** Tells the user what came of a request. An undo removes the message if `of` names the request. */
+  note(problem: string, remedy: string, offered?: PageRemedy, of?: PageRequest["do"]): void;
   /** Returns the positions of a mesh's vertices, 3 numbers each. */
   positionsOf(mesh: number): Float32Array | undefined;
 }

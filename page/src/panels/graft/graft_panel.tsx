@@ -161,7 +161,7 @@ function Pairs({ page }: { page: Page }) {
                   <small>
                     {found
                       ? confidenceWords(confidence)
-                      : `set by hand${pair.matches.length > 0 ? `, ${counted(pair.matches.length, "more match", "more matches")}` : ""}`}
+                      : `${graft.starts.isCandidate(i) ? "chosen below" : "set by hand"}${pair.matches.length > 0 ? `, ${counted(pair.matches.length, "more match", "more matches")}` : ""}`}
                   </small>
                 </span>
                 {found && confidence !== undefined && (

@@ -3,8 +3,7 @@ import { likelihoodWords } from "../../app/graft/graft_words";
 import type { Pair, StartCandidate } from "../../app/graft/graft_step";
 import type { Page } from "../../app/page";
 
-/** Returns the angle that the slider Twist shows for a turn; it counts the other way. */
-const twistOf = (turnDeg: number) => (turnDeg <= -180 ? 180 : Math.round(-turnDeg) || 0);
+const wholeDegrees = (angle: number) => (angle <= -179.5 ? 180 : Math.round(angle) || 0);
 
 /** The rotations that a user may have meant for a pair, each a small picture to click; nothing where there is one. */
 export function Rotations({ page, index, pair }: { page: Page; index: number; pair: Pair }) {
@@ -43,6 +42,8 @@ interface RotationProps {
 function Rotation({ page, pair, candidate, words, isChosen, onChoose }: RotationProps) {
   const [picture, setPicture] = useState<string | undefined>(undefined);
   const { start, probability, turn_deg } = candidate;
+  // The slider Twist shows the same angle. A turn counts the other way.
+  const angle = `${wholeDegrees(page.editor.graft.starts.twistOfCandidate(pair, candidate) ?? -turn_deg)}°`;
   const placed = String(page.editor.graft.report.value?.transform);
   useEffect(() => {
     let isWanted = true;
@@ -57,11 +58,11 @@ function Rotation({ page, pair, candidate, words, isChosen, onChoose }: Rotation
       type="button"
       class="rotation"
       aria-pressed={isChosen}
-      data-tip={`Rotated by ${twistOf(turn_deg)}°, ${Math.round(100 * probability)} % probable.`}
+      data-tip={`Rotated by ${angle}, ${Math.round(100 * probability)} % probable.`}
       onClick={onChoose}
     >
       {picture === undefined ? <span class="rotation-picture" /> : <img class="rotation-picture" src={picture} alt="" />}
-      <span>{`${twistOf(turn_deg)}°`}</span>
+      <span>{angle}</span>
       <small>{words}</small>
     </button>
   );

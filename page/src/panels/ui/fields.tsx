@@ -35,16 +35,16 @@ export function NumberField(props: NumberFieldProps) {
   const shown = formatNumber(value, props.digits, props.decimals);
   const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
   const bad = parsed === undefined || (typed !== null && !isInRange(parsed, props));
-  const [told, setTold] = useState(false);
+  const [told, setTold] = useState<string | null>(null); // the sentence on a refused input
   useEffect(() => {
-    // A refused input and its message stay until the input changes or the field loses focus.
-    if (!told || typed !== null) return undefined;
-    const timer = setTimeout(() => setTold(false), messageMs);
+    // A refused input stays until it changes or the field loses focus. The sentence on it stays a while longer.
+    if (told === null || typed !== null) return undefined;
+    const timer = setTimeout(() => setTold(null), messageMs);
     return () => clearTimeout(timer);
   }, [told, typed]);
   /** Commits the typed text. Returns whether it is valid. */
   const confirm = (): boolean => {
-    if (bad) setTold(true);
+    if (bad) setTold(parsed === undefined ? writingWords(quantity, unit) : `Enter ${rangeWords(props)}.`);
     else if (typed !== null && typed.trim() !== shown) onChange(inForm(parsed, props));
     if (!bad) setTyped(null);
     return !bad;
@@ -57,7 +57,7 @@ export function NumberField(props: NumberFieldProps) {
     event.stopPropagation();
     if (typed === null && event.target instanceof HTMLElement) event.target.blur();
     setTyped(null);
-    setTold(false);
+    setTold(null);
   };
   const onKeyDown = (event: KeyboardEvent) => {
     if (event.key === "Enter" && !confirm()) event.preventDefault();
@@ -68,7 +68,7 @@ export function NumberField(props: NumberFieldProps) {
     const next = Number(inForm((parsed ?? value) + by, props).toPrecision(12));
     setTyped(null);
     const kept = Math.min(props.max ?? Infinity, Math.max(props.min ?? -Infinity, next));
-    setTold(!isInRange(next, props));
+    setTold(isInRange(next, props) ? null : `Enter ${rangeWords(props)}.`);
     if (isInRange(kept, props) && kept !== value) onChange(kept);
   };
   return (
@@ -82,23 +82,23 @@ export function NumberField(props: NumberFieldProps) {
         aria-label={props.labelledBy === undefined ? label : undefined}
         aria-labelledby={props.labelledBy}
         aria-invalid={bad}
-        aria-describedby={told ? saysId : undefined}
+        aria-describedby={told !== null ? saysId : undefined}
         disabled={disabled}
         data-confirmed={typed === null ? "" : undefined}
         value={typed ?? shown}
         onFocus={(event) => event.currentTarget.select()}
         onInput={(event) => {
           setTyped(event.currentTarget.value);
-          setTold(false);
+          setTold(null);
         }}
         onKeyDown={onKeyDown}
         onBlur={onBlur}
       />
       {suffix !== undefined && suffix !== "" && <span class="suffix">{suffix}</span>}
     </span>
-    {told && (
+    {told !== null && (
       <span class="number-says" role="alert" id={saysId}>
-        {parsed === undefined ? writingWords(quantity, unit) : `Enter ${rangeWords(props)}.`}
+        {told}
       </span>
     )}
     </>

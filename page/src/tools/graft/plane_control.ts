@@ -111,6 +111,7 @@ export class CutPlaneTool implements Tool {
 
   press({ screenPoint: first }: Pointer, hit: Hit | undefined): Stroke | undefined {
     const { overlay } = this.context.viewport;
+    this.context.status.clear();
     const follow = ({ screenPoint }: Pointer) => this.setPlane(hit ?? this.firstBetween(first, screenPoint), first, screenPoint);
     return {
       move: (pointer) => {
