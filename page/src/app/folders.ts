@@ -1,7 +1,7 @@
 import { signal, type Signal } from "@preact/signals";
 import type { Outcome } from "../engine/connection";
 import type { EngineEvent, PageRequest } from "../protocol";
-import { isWithin, joined } from "./paths";
+import { isWithin, joined, stemOf } from "./paths";
 import type { PageRemedy } from "./remedies";
 import { RememberedList } from "./remembered";
 import type { Failure } from "./wording";
@@ -87,11 +87,12 @@ export class Folders {
   }
 }
 
-/** Returns a name for a PLY file that none of the files has. */
+/** Returns a name for a PLY file that none of the files has. Lists show names without extensions, so these differ, too. */
 export function newName(stem: string, taken: ReadonlySet<string>): string {
   const wanted = stem.replace(/[/\\\s]+/g, "_").replace(/^\.+/, "") || "part";
+  const stems = new Set([...taken].map(stemOf));
   for (let k = 1; ; ++k) {
-    const name = k === 1 ? `${wanted}.ply` : `${wanted}_${k}.ply`;
-    if (!taken.has(name)) return name;
+    const name = k === 1 ? wanted : `${wanted}_${k}`;
+    if (!stems.has(name)) return `${name}.ply`;
   }
 }

@@ -50,6 +50,9 @@ interface NumberFieldsProps extends PartProps {
   withPivot: boolean;
 }
 
+const farthestMove = 1e4; // × the diagonal of the model; farther is a slip of the finger
+const largestAngleDeg = 1e6; // what the engine accepts
+
 /** The fields for translation, rotation, scale and pivot. */
 export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFieldsProps) {
   const { editor } = page;
@@ -66,6 +69,7 @@ export function PoseNumberFields({ page, numbers, change, withPivot }: NumberFie
       <Triple
         label="Move"
         {...lengths}
+        most={Number((farthestMove * diagonal).toPrecision(1))}
         value={numbers.translate}
         onChange={(translate) => change({ translate })}
       />
@@ -120,11 +124,13 @@ interface TripleProps {
   suffix?: string;
   step: number;
   above?: number;
+  /** The largest number in either direction. */
+  most?: number;
   tip?: string;
 }
 
 /** Three numbers, one for each axis. */
-export function Triple({ label, value, onChange, quantity, unit, suffix, step, above, tip }: TripleProps) {
+export function Triple({ label, value, onChange, quantity, unit, suffix, step, above, most, tip }: TripleProps) {
   return (
     <div class="triple" role="group" aria-label={label} data-tip={tip}>
       <span class="label">
@@ -140,6 +146,8 @@ export function Triple({ label, value, onChange, quantity, unit, suffix, step, a
             step={step}
             decimals={Math.max(2, 2 - Math.floor(Math.log10(step)))}
             above={above}
+            min={most === undefined ? undefined : -most}
+            max={most}
             onChange={(to) => onChange(withComponent(value, k, to))}
           />
         </span>
@@ -173,6 +181,8 @@ function Turn({ numbers: { axis, angleDeg }, change }: PartProps) {
           value={angleDeg}
           quantity="angle"
           step={5}
+          min={-largestAngleDeg}
+          max={largestAngleDeg}
           digits={6}
           onChange={(to) => change({ angleDeg: to })}
         />
