@@ -65,7 +65,7 @@ struct Handle {
 struct HandleMotion {
   Eigen::Vector3d translate = Eigen::Vector3d::Zero();  ///< t, model units
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();      ///< rotation axis; need not have unit length
-  double angle_deg = 0;                                 ///< of any number of turns, at most 1e6
+  double angle_deg = 0;                                 ///< any number of turns, up to 1e6 degrees
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();      ///< per axis
   std::optional<Eigen::Vector3d> pivot{};               ///< c, model units; absent: `handle_pivot`
 };
