@@ -50,7 +50,7 @@ interface NumberFieldsProps extends PartProps {
   withPivot: boolean;
 }
 
-const farthestMove = 1e4; // × the diagonal of the model; farther is a slip of the finger
+const farthestMove = 1e8; // × the diagonal of the model; scans may lie that far from the origin
 const largestAngleDeg = 1e6; // what the engine accepts
 
 /** The fields for translation, rotation, scale and pivot. */

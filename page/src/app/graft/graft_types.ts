@@ -43,8 +43,7 @@ export interface GraftHost {
   ask(request: PageRequest): Promise<Outcome | undefined>;
   attempt(request: PageRequest): Promise<Outcome | Failure>;
   request(request: PageRequest): Promise<Outcome>;
-  /** Tells the user something that is not a failure. */
-  /** Tells the user what came of a request. An undo removes the message if `of` names the request. */
+  /** Tells the user something that is not a failure. An undo removes the message if `of` names a request. */
   note(problem: string, remedy: string, offered?: PageRemedy, of?: PageRequest["do"]): void;
   /** Returns the positions of a mesh's vertices, 3 numbers each. */
   positionsOf(mesh: number): Float32Array | undefined;
