@@ -19,7 +19,13 @@ export function RestoreOffer({ page }: { page: Page }) {
   const putAside = async () => {
     editor.offer.value = null;
     const done = await editor.ask({ do: "discard" });
-    if (done?.aside !== undefined) editor.note("The earlier changes were set aside, not deleted.", done.aside);
+    if (done?.aside === undefined) return;
+    const ending = done.aside.slice(done.aside.lastIndexOf("."));
+    editor.note(
+      "The earlier changes were set aside, not deleted.",
+      done.aside,
+      `To get them back, take “${ending}” off the file's name, and open the model again before you change it.`,
+    );
   };
   return (
     <Dialog
