@@ -117,7 +117,7 @@ function PrintRow({ page, line: { tone, words, finding, remedy, advice } }: { pa
       <Icon name={icons[tone]} size={14} />
       <span class="defect-words">
         {words}
-        {advice !== undefined && <small> {advice}</small>}
+        {advice !== undefined && <small>{advice}</small>}
       </span>
       {finding !== undefined && (
         <Button label={isShown ? "Hide" : "Show"} kind="quiet" onClick={() => void toggle(finding)} />
