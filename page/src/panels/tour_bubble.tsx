@@ -15,13 +15,15 @@ const bubbleWidth = 300;
 const marginPx = 12;
 const pollMs = 200; // what a bubble points at may move or appear
 
-/** Returns the box of the first of these elements that is shown. */
-function anchorBox(selectors: readonly string[]): Box | undefined {
-  for (const selector of selectors) {
-    const box = document.querySelector(selector)?.getBoundingClientRect();
-    if (box !== undefined && box.width > 0) return { left: box.left, top: box.top, width: box.width, height: box.height };
-  }
-  return undefined;
+/** Returns the first of these elements that is shown. */
+function shownAnchor(selectors: readonly string[]): Element | undefined {
+  const elements = selectors.map((selector) => document.querySelector(selector));
+  return elements.find((element) => element !== null && element.getBoundingClientRect().width > 0) ?? undefined;
+}
+
+function boxOf(element: Element): Box {
+  const { left, top, width, height } = element.getBoundingClientRect();
+  return { left, top, width, height };
 }
 
 /** Returns where a bubble stands beside what it points at, within the window: at a side if there is room, else below. */
@@ -47,11 +49,14 @@ export function TourBubble({ page }: { page: Page }) {
   const [anchor, setAnchor] = useState<Box | undefined>(undefined);
   useEffect(() => {
     if (step === undefined) return undefined;
-    const look = () =>
-      setAnchor((before) => {
-        const now = anchorBox(step.anchors);
-        return JSON.stringify(now) === JSON.stringify(before) ? before : now;
-      });
+    let broughtIntoView: Element | undefined; // once, because the user may scroll on
+    const look = () => {
+      const element = shownAnchor(step.anchors);
+      if (element !== broughtIntoView) element?.scrollIntoView({ block: "nearest" });
+      broughtIntoView = element;
+      const now = element && boxOf(element);
+      setAnchor((before) => (JSON.stringify(now) === JSON.stringify(before) ? before : now));
+    };
     look();
     const timer = setInterval(look, pollMs);
     return () => clearInterval(timer);

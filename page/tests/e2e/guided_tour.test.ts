@@ -117,10 +117,16 @@ test("a bubble stays until its step is done or the user goes on, and a reload re
   expect(user.complaints).toEqual([]);
 });
 
-test("the tour speaks of fingers on a screen that fingers touch", async () => {
-  harness = await EditorHarness.open({ firstStart: true, touch: true, size: { width: 800, height: 600 } });
+test("the tour speaks of fingers on a screen that fingers touch, and brings what it points at into view", async () => {
+  harness = await EditorHarness.open({ firstStart: true, touch: true, size: { width: 560, height: 400 } });
   const { user } = harness;
   await bubble(user, "Open a model").getByText("Tap bust").waitFor();
+  await user.page.waitForFunction(() => {
+    const box = document.querySelector('[data-sample="bust"]')?.getBoundingClientRect();
+    return box !== undefined && box.top >= 0 && box.bottom <= innerHeight - 44;
+  });
+  await user.screenshot(`tour-touch-small-${theme}`);
+  await user.page.setViewportSize({ width: 800, height: 600 });
   await user.screenshot(`tour-touch-${theme}`);
   await bubble(user, "Open a model").getByRole("button", { name: "Open bust" }).tap();
   await bubble(user, "Graft another one onto it").waitFor();
