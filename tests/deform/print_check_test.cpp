@@ -60,6 +60,19 @@ TEST(PrintCheck, FindsDownwardFacesBeyondTheAngle) {
   EXPECT_EQ(check_print(box(tilted(60)), {.up = tilted(60) * Vector3d::UnitZ()}).overhang_area, 0);
 }
 
+/// Towards the edge of a wedge, the thickness tells only how small the faces are.
+TEST(PrintCheck, TakesNoEdgeForAWall) {
+  Points points(6, 3);
+  points << 0, 0, 0, 0, 1, 0, 1, 0, 0.1, 1, 1, 0.1, 1, 0, -0.1, 1, 1, -0.1;
+  Triangles triangles(8, 3);
+  triangles << 0, 2, 3, 0, 3, 1, 0, 5, 4, 0, 1, 5, 2, 4, 5, 2, 5, 3, 0, 4, 2, 1, 3, 5;
+  const PrintCheck check = check_print(make_mesh(points, triangles));
+  ASSERT_TRUE(check.volume);
+  EXPECT_NEAR(*check.volume, 0.1, 1e-12);
+  ASSERT_TRUE(check.thinnest_wall);
+  EXPECT_NEAR(*check.thinnest_wall, 1, 1e-4) << "between the ends of the wedge";
+}
+
 TEST(PrintCheck, FindsThinWalls) {
   const Mesh plate = box(scaled({0.05, 1, 1}));
   const PrintCheck check = check_print(plate, {.least_wall = 0.1});

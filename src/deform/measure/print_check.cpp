@@ -129,7 +129,14 @@ struct Traced {
   }
 };
 
-// Returns the thickness at the centre of a triangle, relative to the size; infinity if nothing is behind it.
+bool share_a_vertex(const Triangles& triangles, Eigen::Index a, Eigen::Index b) {
+  for (const Index v : triangles.row(a))
+    if ((triangles.row(b).array() == v).any()) return true;
+  return false;
+}
+
+// Returns the thickness at the centre of a triangle, relative to the size; infinity if there is no wall. Faces
+// that share a vertex make an edge, at which the thickness would only tell the size of the faces.
 double thickness_at(const Traced& surface, const RayTracer& tracer, Eigen::Index t, double outward) {
   constexpr double none = std::numeric_limits<double>::infinity();
   constexpr double clearance = 1e-5;  // so that the triangle itself is not met
@@ -138,7 +145,7 @@ double thickness_at(const Traced& surface, const RayTracer& tracer, Eigen::Index
   const Vector3d centre = (surface.corner(t, 0) + surface.corner(t, 1) + surface.corner(t, 2)) / 3;
   const Vector3d origin = centre + clearance * inward;
   const auto hit = tracer.first_hit(origin.cast<float>(), inward.cast<float>());
-  if (!hit || hit->triangle == static_cast<std::uint32_t>(t)) return none;
+  if (!hit || share_a_vertex(surface.triangles, t, hit->triangle)) return none;
   if (outward * surface.normal(hit->triangle).dot(inward) < least_parallel_cosine) return none;
   return hit->distance + clearance;
 }

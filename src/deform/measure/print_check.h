@@ -36,7 +36,7 @@ struct PrintCheck {
   std::vector<TrianglePair> intersections;               ///< as `self_intersections`
   /// Thickness of the thinnest wall, model units; absent if no face has another behind it. The thickness at a
   /// face is the length of the ray from its centre against its normal, until it leaves the body through a face
-  /// within 30° of parallel.
+  /// within 30° of parallel that shares no vertex with it.
   std::optional<double> thinnest_wall;
   /// Triangles where the wall is thinner than `least_wall`; if there are none, where it is at most a tenth
   /// thicker than the thinnest.
