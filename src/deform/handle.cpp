@@ -16,9 +16,6 @@ namespace meshgraft {
 
 namespace {
 
-/// A double keeps a larger angle to no more than 1e-10 degrees.
-constexpr double largest_angle_deg = 1e6;
-
 // The sine and cosine of an angle in degrees, exact at multiples of 90°.
 struct SineCosine {
   double sine, cosine;
@@ -70,7 +67,7 @@ HandlePose make_pose(const HandleMotion& motion, const Eigen::Vector3d& default_
   require_finite(motion.axis.allFinite(), facts::core::Quantity::axis, "axis");
   for (const double length : motion.translate) require_between(length, -1e100, 1e100, "translate");
   require_finite(std::isfinite(motion.angle_deg), facts::core::Quantity::angle, "angle_deg");
-  require_between(motion.angle_deg, -largest_angle_deg, largest_angle_deg, "angle_deg");
+  require_between(motion.angle_deg, -largest_accepted_angle_deg, largest_accepted_angle_deg, "angle_deg");
   require_finite(motion.scale.allFinite(), facts::core::Quantity::scale, "scale");
   require_finite(pivot.allFinite(), facts::core::Quantity::pivot, "pivot");
   if (motion.axis.isZero(0) && motion.angle_deg != 0) throw Error(facts::deform::AxisWithoutLength{}, "axis");

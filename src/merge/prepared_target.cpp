@@ -71,7 +71,7 @@ void validate(const Drop& drop, const Mesh& target) {
     throw Error(facts::core::NotPositive{.value = *drop.size}, "size");
   if (!std::isfinite(drop.spin_deg))
     throw Error(facts::core::NotFinite{.what = facts::core::Quantity::angle}, "spin_deg");
-  require_between(drop.spin_deg, -1e6, 1e6, "spin_deg");
+  require_between(drop.spin_deg, -largest_accepted_angle_deg, largest_accepted_angle_deg, "spin_deg");
   if (const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point);
       point != nullptr && !point->allFinite())
     throw Error(facts::core::NotFinite{.what = facts::core::Quantity::point}, "surface_point");
