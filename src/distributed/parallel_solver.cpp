@@ -235,8 +235,8 @@ void ParallelSolver::Impl::set_up_blended(const UnknownNodes& nodes) {
   PetscBool is_chosen = PETSC_FALSE;
   require(PetscOptionsHasName(nullptr, prefix.c_str(), "-pc_type", &is_chosen));
 #ifdef PETSC_HAVE_MUMPS
-  // A factor is quicker as long as it fits: a third of the time of a solve at a million vertices.
-  constexpr Number most_to_factorise = 500'000;
+  // A factor is quicker as long as it fits: half the time of a solve at one and at four million vertices.
+  constexpr Number most_to_factorise = 700'000;
 #else
   constexpr Number most_to_factorise = 0;
 #endif
@@ -329,7 +329,7 @@ WidthSolver& ParallelSolver::Impl::solver_of(int width) {
   const bool is_flexible = options.preconditioner == Preconditioner::blended;  // the coarse solve is inexact
   require(KSPSetType(solver.cg, options.direct ? KSPPREONLY : is_flexible ? KSPFCG : KSPCG));
   if (is_flexible) {
-    constexpr PetscInt kept_directions = 4;
+    constexpr PetscInt kept_directions = 1;
     require(KSPFCGSetMmax(solver.cg, kept_directions));
     require(KSPFCGSetNprealloc(solver.cg, kept_directions));
   }

@@ -35,7 +35,7 @@ std::pair<double, Number> sum_edge_lengths(const Part& part) {
   return {sum, count};
 }
 
-/// Returns rows of a matrix, each times its scale.
+/// Returns some rows of a matrix, each times its scale.
 SparseRows scaled_rows(const SparseRows& matrix, const std::vector<Index>& rows,
                        const std::vector<double>& scales) {
   if (rows.empty()) return SparseRows(0, matrix.cols());
@@ -43,6 +43,17 @@ SparseRows scaled_rows(const SparseRows& matrix, const std::vector<Index>& rows,
   for (Eigen::Index row = 0; row < scaled.rows(); ++row)
     for (SparseRows::InnerIterator it(scaled, row); it; ++it) it.valueRef() *= scales[row];
   return scaled;
+}
+
+/// Computes Pᵀ P x without storing P x, which is several times as large as x.
+Columns normal_product(const SparseRows& P, const Columns& x) {
+  Columns sum = Columns::Zero(x.rows(), x.cols());
+  for (Eigen::Index row = 0; row < P.rows(); ++row) {
+    Eigen::RowVector3d product = Eigen::RowVector3d::Zero();
+    for (SparseRows::InnerIterator it(P, row); it; ++it) product += it.value() * x.row(it.col());
+    for (SparseRows::InnerIterator it(P, row); it; ++it) sum.row(it.col()) += it.value() * product;
+  }
+  return sum;
 }
 
 /// Returns the area of a triangle, in patch units.
@@ -78,7 +89,7 @@ PartSystem::PartSystem(const Communicator& comm, const Part& part, const std::ve
   column_ = number_columns();
   if (columns_.total() == 0) return;
   find_stiffness_scales(options.deformer);
-  comm.together([&] { build_system(column_, options.deformer); });
+  comm.together([&] { build_system(options.deformer); });
   factorise();
   if (comm.any(!anchors_.empty()) && options.deformer.operators.density == Density::aware) {
     weigh_anchors();
@@ -134,19 +145,19 @@ std::vector<int> PartSystem::number_columns() {
   return column;
 }
 
-/// Builds the rows that belong to this rank, as `ConstrainedSystem` does.
-void PartSystem::build_system(const std::vector<int>& column, const DeformerOptions& options) {
-  const Index own = part_.mesh.vertices.own();
-  const auto node_count = static_cast<Eigen::Index>(column.size());
-  std::vector<int> entries(node_count, 0);
-  for (Eigen::Index node = 0; node < node_count; ++node) entries[node] = column[node] >= 0;
+/// Returns the matrix that places local columns at their nodes.
+SparseRows PartSystem::unknowns_of_nodes() const {
+  std::vector<int> entries(column_.size());
+  std::transform(column_.begin(), column_.end(), entries.begin(), [](int column) { return column >= 0; });
   SparseRows E = rows_of_lengths(entries, columns_.size());
-  for (Eigen::Index node = 0; node < node_count; ++node)
-    if (column[node] >= 0) {
-      E.innerIndexPtr()[E.outerIndexPtr()[node]] = column[node];
-      E.valuePtr()[E.outerIndexPtr()[node]] = 1;
-    }
+  std::copy_if(column_.begin(), column_.end(), E.innerIndexPtr(), [](int column) { return column >= 0; });
+  std::fill_n(E.valuePtr(), E.nonZeros(), 1.0);
+  return E;
+}
 
+/// Builds the rows that belong to this rank, as `ConstrainedSystem` does.
+void PartSystem::build_system(const DeformerOptions& options) {
+  const Index own = part_.mesh.vertices.own();
   // The operator scales its rows by ℓ̄ of the part; they are scaled by that of the whole patch.
   const auto rescaled = [&](double length) {
     if (options.operators.density != Density::aware) return 1.0;
@@ -156,19 +167,20 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
   const std::vector<double>& lengths = rows_->edge_lengths();
   std::vector<Index> own_rows;
   std::vector<double> scales;
-  for (Index row = 0; row < rows_->delta().rows(); ++row) {  // a row of Δ has entries at its vertex alone
-    const Index v = rows_->delta().innerIndexPtr()[rows_->delta().outerIndexPtr()[row]] / 3;
+  EnergyRows all = rows_->release_rows();
+  for (Index row = 0; row < all.delta.rows(); ++row) {  // a row of Δ has entries at its vertex alone
+    const Index v = all.delta.innerIndexPtr()[all.delta.outerIndexPtr()[row]] / 3;
     if (v >= own) continue;
     own_rows.push_back(row);
     scales.push_back(rescaled(lengths[v]));
   }
-  take_over(L_, scaled_rows(rows_->L(), own_rows, scales));
-  take_over(delta_, scaled_rows(rows_->delta(), own_rows, scales));
+  take_over(L_, scaled_rows(all.L, own_rows, scales));
+  take_over(delta_, scaled_rows(all.delta, own_rows, scales));
 
   own_rows.clear();
   scales.clear();
   const auto& pairs = rows_->pairs();
-  const auto rows_per_pair = pairs.empty() ? 0 : static_cast<Index>(rows_->P().rows() / std::ssize(pairs));
+  const auto rows_per_pair = pairs.empty() ? 0 : static_cast<Index>(all.P.rows() / std::ssize(pairs));
   const Halo& vertices = part_.mesh.vertices;
   for (std::size_t pair = 0; pair < pairs.size(); ++pair) {
     const auto [i, j] = pairs[pair];
@@ -178,14 +190,14 @@ void PartSystem::build_system(const std::vector<int>& column, const DeformerOpti
       scales.push_back(rows_->intrinsic_edges() ? of_integrals : rescaled(0.5 * (lengths[i] + lengths[j])));
     }
   }
-  take_over(P_, scaled_rows(rows_->P(), own_rows, scales));
+  take_over(P_, scaled_rows(all.P, own_rows, scales));
 
-  take_over(G_, multiply(rows_->H(), E, one_thread));
-  take_over(A_L_, difference_of_products({L_, E}, {delta_, G_}, one_thread));
+  const SparseRows E = unknowns_of_nodes(), G = multiply(rows_->H(), E, one_thread);
+  take_over(A_L_, difference_of_products({L_, E}, {delta_, G}, one_thread));
   list_edge_rows(options);
   take_over(stiffness_, stiffness_rows());
   take_over(A_L_, stack(A_L_, multiply(stiffness_, E, one_thread), one_thread));
-  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(E, options.operators.density), one_thread));
+  if (!anchors_.empty()) take_over(A_L_, stack(A_L_, anchor_rows(G, options.operators.density), one_thread));
 }
 
 /// Finds the factor of the stiffness at each vertex, as `ConstrainedSystem` does.
@@ -247,37 +259,36 @@ SparseRows PartSystem::stiffness_rows() const {
 }
 
 /// Returns soft rows weight · (x_i − target), as `ConstrainedSystem` has them before it weighs the anchors.
-SparseRows PartSystem::anchor_rows(const SparseRows& E, Density density) {
+SparseRows PartSystem::anchor_rows(const SparseRows& G, Density density) {
   const double area = region_size_ * region_size_;
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Index v = anchors_[a].vertex;
     anchor_weights_.push_back(density == Density::aware ? rows_->edge_lengths()[v] * mean_edge_length_ / area
                                                         : anchors_[a].weight);
-    const auto add = [&](const SparseRows& matrix, Eigen::Index row, double factor) {
-      for (SparseRows::InnerIterator it(matrix, row); it; ++it)
-        entries.emplace_back(static_cast<int>(a), static_cast<int>(it.col()),
-                             anchor_weights_.back() * factor * it.value());
+    const auto add = [&](Eigen::Index column, double value) {
+      entries.emplace_back(static_cast<int>(a), static_cast<int>(column), anchor_weights_.back() * value);
     };
-    add(E, v, 1);
+    add(column_[v], 1);
     const Eigen::RowVector3d back = part_.points.row(v) - rows_->nodes().positions.row(v);
     for (int k = 0; k < 3; ++k)
-      if (back[k] != 0) add(G_, 3 * v + k, back[k]);
+      if (back[k] != 0)
+        for (SparseRows::InnerIterator it(G, 3 * v + k); it; ++it) add(it.col(), back[k] * it.value());
   }
   SparseRows rows(static_cast<Eigen::Index>(anchors_.size()), columns_.size());
   rows.setFromTriplets(entries.begin(), entries.end());
   return rows;
 }
 
-UnknownNodes PartSystem::unknown_nodes(const std::vector<int>& column) const {
+UnknownNodes PartSystem::unknown_nodes() const {
   UnknownNodes nodes{&part_.mesh, std::vector<Index>(columns_.own()), Points(columns_.own(), 3),
                      Flags(part_.mesh.vertices.size(), 0)};
   const auto add = [&](Index v, Index node) {
-    if (node < 0 || column[node] < 0) return;
+    if (node < 0 || column_[node] < 0) return;
     nodes.has_unknowns[v] = 1;
-    if (column[node] >= columns_.own()) return;
-    nodes.vertex[column[node]] = v;
-    nodes.positions.row(column[node]) = rows_->nodes().positions.row(node);
+    if (column_[node] >= columns_.own()) return;
+    nodes.vertex[column_[node]] = v;
+    nodes.positions.row(column_[node]) = rows_->nodes().positions.row(node);
   };
   for (Index v = 0; v < part_.mesh.vertices.size(); ++v) {
     add(v, v);
@@ -293,16 +304,17 @@ void PartSystem::factorise() {
   NormalMatrix lower;
   comm_.together([&] {
     const SparseRows coupling = multiply(transpose(P_, one_thread), P_, one_thread);
-    const SparseRows A_transposed = transpose(A_L_, one_thread), G_transposed = transpose(G_, one_thread);
+    const SparseRows G = multiply(rows_->H(), unknowns_of_nodes(), one_thread);
+    const SparseRows A_transposed = transpose(A_L_, one_thread), G_transposed = transpose(G, one_thread);
     lower = normal_equations(
-        {.A = A_L_, .A_transposed = A_transposed, .G = G_, .G_transposed = G_transposed, .K = coupling},
+        {.A = A_L_, .A_transposed = A_transposed, .G = G, .G_transposed = G_transposed, .K = coupling},
         one_thread);
   });
   platform::release_freed_memory();
   MatrixRows matrix = sum_contributions(comm_, columns_, lower);
   NormalMatrix().swap(lower);  // an assignment would keep its memory
   solver_.reset();
-  solver_.emplace(comm_, std::move(matrix), unknown_nodes(column_),
+  solver_.emplace(comm_, std::move(matrix), unknown_nodes(),
                   ParallelSolverOptions{.preconditioner = preconditioner_, .prefix = ""});
   factorise_seconds_ += watch.seconds();
 }
@@ -363,26 +375,36 @@ PartSystem::Rows PartSystem::right_hand_side(const PartValues& values, const Par
     const Eigen::RowVector3d target = (anchors_[a].target->transpose() - part_.centre) / part_.scale;
     row += anchor_weights_[a] * (target - part_.points.row(v));
   }
-  Columns wanted = -m;
+  rows.maps = -m;
   if (field.maps.rows() > 0 && field.smooth)
-    wanted += FittedField(*rows_, rows_->H(), part_.mask)(field.maps, one_thread);
-  rows.smoothness = multiply(P_, wanted, one_thread);
+    rows.maps += FittedField(*rows_, rows_->H(), part_.mask)(field.maps, one_thread);
   return rows;
+}
+
+/// Returns the local maps m = G y of local columns y.
+Columns PartSystem::maps_of(const Columns& y) const {
+  Columns x = Columns::Zero(static_cast<Eigen::Index>(column_.size()), y.cols());
+  for (std::size_t node = 0; node < column_.size(); ++node)
+    if (column_[node] >= 0) x.row(node) = y.row(column_[node]);
+  return multiply(rows_->H(), x, one_thread);
 }
 
 /// Returns Aᵀ times rows, own columns × 3.
 Columns PartSystem::apply_transposed(const Rows& rows) const {
-  const Columns of_maps = P_.transpose() * rows.smoothness;
   Columns sums = A_L_.transpose() * rows.laplacian;
-  sums += G_.transpose() * of_maps;
+  const Columns at_nodes = rows_->H().transpose() * normal_product(P_, rows.maps);
+  for (std::size_t node = 0; node < column_.size(); ++node)
+    if (column_[node] >= 0) sums.row(column_[node]) += at_nodes.row(node);
   columns_.add_to_owners(sums);
   return sums.topRows(columns_.own());
 }
 
 PartSystem::Rows PartSystem::residual_rows(const Rows& rhs, const Columns& y) const {
   const Columns all = with_halo(y);
-  return {rhs.laplacian - multiply(A_L_, all, one_thread),
-          rhs.smoothness - multiply(P_, multiply(G_, all, one_thread), one_thread)};
+  Rows left{multiply(A_L_, all, one_thread), maps_of(all)};
+  left.laplacian = rhs.laplacian - left.laplacian;
+  left.maps = rhs.maps - left.maps;
+  return left;
 }
 
 Columns PartSystem::solve(const PartValues& values, const PartField& field, int corrections,
@@ -405,7 +427,7 @@ double PartSystem::residual(const Columns& y, const PartValues& values, const Pa
 Columns PartSystem::maps(const Columns& y, const PartValues& values) const {
   Columns x = Columns::Zero(rows_->nodes().positions.rows(), 3);
   x.topRows(values.displacement.rows()) = values.displacement;
-  const Columns m = multiply(G_, with_halo(y), one_thread) + multiply(rows_->H(), x, one_thread) + values.maps;
+  const Columns m = maps_of(with_halo(y)) + multiply(rows_->H(), x, one_thread) + values.maps;
   return m.topRows(3 * Eigen::Index{part_.mesh.vertices.own()});
 }
 

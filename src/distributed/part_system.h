@@ -58,25 +58,28 @@ class PartSystem {
   double factorise_seconds() const { return factorise_seconds_; }
 
  private:
-  /// Right-hand sides or residuals: own rows of E_L, stiffness and anchors, and of E_R.
+  /// Right-hand sides or residuals of the own rows of E_L, stiffness and anchors. Those of E_R are P times
+  /// maps, three rows per local vertex, which are a third as many numbers.
   struct Rows {
-    Columns laplacian, smoothness;
+    Columns laplacian, maps;
   };
   void build_operator(const DeformerOptions& options);
   std::vector<int> number_columns();
-  void build_system(const std::vector<int>& column, const DeformerOptions& options);
+  void build_system(const DeformerOptions& options);
   void find_stiffness_scales(const DeformerOptions& options);
   void list_edge_rows(const DeformerOptions& options);
   SparseRows stiffness_rows() const;
-  SparseRows anchor_rows(const SparseRows& E, Density density);
+  SparseRows unknowns_of_nodes() const;
+  SparseRows anchor_rows(const SparseRows& G, Density density);
   void factorise();
   void weigh_anchors();
-  UnknownNodes unknown_nodes(const std::vector<int>& column) const;
+  UnknownNodes unknown_nodes() const;
 
   Rows right_hand_side(const PartValues& values, const PartField& field) const;
   Columns apply_transposed(const Rows& rows) const;
   Rows residual_rows(const Rows& rhs, const Columns& y) const;
   Columns with_halo(const Columns& own) const;
+  Columns maps_of(const Columns& y) const;
 
   const Communicator& comm_;
   const Part& part_;
@@ -92,8 +95,8 @@ class PartSystem {
   std::vector<double> stiffness_scales_;  ///< of the local vertices
   Halo columns_;
   std::vector<int> column_;               ///< per node: local column, or -1
-  SparseRows L_, delta_, P_, stiffness_;  ///< own rows
-  SparseRows A_L_, G_;
+  SparseRows L_, delta_, P_, stiffness_;  ///< own rows, in place of those of `rows_`
+  SparseRows A_L_;                        ///< rows of E_L, stiffness and anchors × local columns
   std::optional<ParallelSolver> solver_;
   Preconditioner preconditioner_;
   double tolerance_;

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <thread>
 
+#include "core/platform/memory.h"
+
 #include "petsc_objects.h"
 
 namespace meshgraft::distributed {
@@ -11,6 +13,7 @@ namespace meshgraft::distributed {
 Session::Session(int& argc, char**& argv) {
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
+  platform::map_large_blocks(std::size_t{1} << 25);
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
 }
 

@@ -196,6 +196,14 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
       context, 4096);
 }
 
+EnergyRows AffineOperator::release_rows() {
+  EnergyRows rows;
+  rows.L.swap(L_);  // Eigen's matrices are copied where they would be moved
+  rows.delta.swap(delta_);
+  rows.P.swap(P_);
+  return rows;
+}
+
 SparseRows AffineOperator::coupling(const Context& context) const {
   // Integral rows couple the k-th columns of two maps with each other alone, FT05's all three with all three.
   const int width = intrinsic_edges_ ? 1 : 3;

@@ -127,6 +127,11 @@ struct StencilNodes {
   std::vector<Index> without_normal;  ///< fitted vertices whose faces define no normal, ascending
 };
 
+/// The rows of E_L and E_R, as `AffineOperator` has them.
+struct EnergyRows {
+  SparseRows L, delta, P;
+};
+
 /// The rows of the method's energy over a mesh (or a patch of one), in the notation
 ///
 ///   λ E_L = ‖ L x − Δ m ‖²    (FT05 equation 9, times λ = `laplacian_weight`)
@@ -169,6 +174,9 @@ class AffineOperator {
 
   /// Returns whether rows with this ratio ℓ̄/ℓ are scaled by exactly that ratio, and not by the bound of it.
   static bool is_scaled_by_density(double length_ratio);
+
+  /// Moves the rows of the energies out. H, the nodes and the pairs stay.
+  EnergyRows release_rows();
 
   /// Computes PᵀP, which couples the maps of pairs.
   SparseRows coupling(const Context& context = {}) const;

@@ -27,6 +27,10 @@ bool can_reserve_address_space(std::size_t bytes);
 /// a next step do not fit. Does nothing where the C library offers no way.
 void release_freed_memory();
 
+/// Gives blocks of `bytes` and more back to the system as soon as they are freed. By itself the C library keeps
+/// blocks of up to 32 MB for later, and Open MPI makes it keep all. Does nothing where it offers no way.
+void map_large_blocks(std::size_t bytes);
+
 /// Asks for large pages for memory that is reserved and about to be filled. The first touches of 4 KiB pages
 /// otherwise take a third of the time to read a binary file. Does nothing if the system has no large pages.
 void prefer_huge_pages(const void* begin, std::size_t size);

@@ -57,6 +57,14 @@ void release_freed_memory() {
 #endif
 }
 
+void map_large_blocks([[maybe_unused]] std::size_t bytes) {
+#ifdef __GLIBC__
+  constexpr int most_mapped = 65536;  // the default of glibc
+  ::mallopt(M_MMAP_MAX, most_mapped);
+  ::mallopt(M_MMAP_THRESHOLD, static_cast<int>(bytes));
+#endif
+}
+
 void prefer_huge_pages([[maybe_unused]] const void* begin, [[maybe_unused]] std::size_t size) {
 #ifdef MADV_HUGEPAGE
   constexpr std::uintptr_t page = 4096;
