@@ -36,8 +36,6 @@ class Owned {
 using OwnedMat = Owned<Mat, MatDestroy>;
 using OwnedVec = Owned<Vec, VecDestroy>;
 using OwnedKsp = Owned<KSP, KSPDestroy>;
-using OwnedIs = Owned<IS, ISDestroy>;
-using OwnedPartitioning = Owned<MatPartitioning, MatPartitioningDestroy>;
 using OwnedNullSpace = Owned<MatNullSpace, MatNullSpaceDestroy>;
 
 }  // namespace meshgraft::distributed
