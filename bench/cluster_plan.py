@@ -16,20 +16,20 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Work:
     """Work of an edit, as measured. Per vertex if not told otherwise; seconds are those of one core."""
-    bytes: float = 6159  # of memory, at the peak
-    assemble: float = 7.8e-6  # seconds
-    divide: float = 1.5e-5  # seconds
-    set_up: float = 2.1e-5  # seconds
-    iterations: float = 30  # of the run, all solves together
-    fine_traffic: float = 7717  # bytes of memory traffic per iteration, on the fine grid
-    cycle_traffic: float = 2328  # bytes of memory traffic per cycle of GAMG on all three columns
+    bytes: float = 4613  # of memory, at the peak
+    assemble: float = 4.3e-6  # seconds
+    divide: float = 2.2e-6  # seconds
+    set_up: float = 1.75e-5  # seconds
+    iterations: float = 40  # of the run, all solves together
+    fine_traffic: float = 7693  # bytes of memory traffic per iteration, on the fine grid
+    cycle_traffic: float = 2488  # bytes of memory traffic per cycle of GAMG on all three columns
     cycles: float = 16  # of GAMG per iteration and column; not more are done
-    efficiency: float = 0.33  # of the triad's speed that the solve reaches
-    messages: float = 2844  # per rank and iteration, at measured_ranks with measured_cycles
-    message_bytes: float = 1.86e6  # likewise, with measured_part vertices per rank
-    reductions: float = 46.7  # per iteration, with measured_cycles
-    measured_ranks: int = 32
-    measured_cycles: float = 7.6
+    efficiency: float = 0.85  # of the triad's speed that the solve reaches
+    messages: float = 4826  # per rank and iteration, at measured_ranks with measured_cycles
+    message_bytes: float = 2.61e6  # likewise, with measured_part vertices per rank
+    reductions: float = 52.2  # per iteration, with measured_cycles
+    measured_ranks: int = 64
+    measured_cycles: float = 8.6
     measured_part: int = 4096
     file_bytes: float = 50  # of a file of positions in double precision and triangles
     unknowns: float = 1.9  # x, y and z of an unknown are one
@@ -52,6 +52,7 @@ class Machine:
 MOST_INDEX = 2**31 - 1
 COLUMNS = 3  # x, y and z, which PETSc numbers together
 FACES = 2  # per vertex
+NEIGHBOURS = 6  # of a vertex, which PT-Scotch numbers together
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,8 @@ def most_vertices(machine, work=Work(), share=0.5):
 def limits(ranks, work=Work()):
     """Returns what breaks, each with the number of vertices of the whole mesh that still works, the smallest first."""
     return sorted([
-        (math.floor(MOST_INDEX / (COLUMNS * work.unknowns)), "the unknowns need a PETSc of 64-bit indices, which was not tried"),
+        (math.floor(MOST_INDEX / max(COLUMNS * work.unknowns, NEIGHBOURS)), "the unknowns need a PETSc and a PT-Scotch of 64-bit "
+                                                                            "indices: the preset petsc64"),
         (math.floor(MOST_INDEX / work.entries * ranks), "the matrix of one rank has too many entries for PETSc's 32-bit "
                                                         "indices: more ranks are needed"),
         (MOST_INDEX // FACES, "a PLY file cannot have so many faces: the mesh has to be in chunks"),
