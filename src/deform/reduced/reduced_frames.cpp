@@ -90,36 +90,47 @@ void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const
   const auto functions = static_cast<Eigen::Index>(field->function_count());
   const double all = 3 * static_cast<double>(field->function_count() + field->twist_function_count());
   constexpr Eigen::Index at_once = 32;
-  // Solves for one column per function, from the right-hand side that a number per vertex causes. The columns
-  // are first, first + 3, ….
-  const auto solve_functions = [&](const SparseRows& sides, const Columns& all_weights, Eigen::Index first) {
-    for (Eigen::Index begin = 0; begin < all_weights.cols(); begin += at_once) {
-      context.step("reduce", static_cast<double>(first / 3 * 3 + first % 3 * all_weights.cols() + begin) / all);
-      const Columns weights = all_weights.middleCols(begin, std::min(at_once, all_weights.cols() - begin));
-      const Columns y = system.back_substitute(multiply(sides, weights, context), context);
+  // Solves for one column per function. `right_hand_sides` are those of some functions, which are its columns
+  // begin … begin + count. The responses are first, first + 3, ….
+  const auto solve_functions = [&](Eigen::Index function_count, Eigen::Index first,
+                                   const auto& right_hand_sides) {
+    for (Eigen::Index begin = 0; begin < function_count; begin += at_once) {
+      context.step("reduce", static_cast<double>(first / 3 * 3 + first % 3 * function_count + begin) / all);
+      const Eigen::Index count = std::min(at_once, function_count - begin);
+      const Columns y = system.back_substitute(right_hand_sides(begin, count), context);
       const auto column = 8 * handles.size() + static_cast<std::size_t>(first + 3 * begin);
       responses.set(column, 3, multiply(displacements, y, context), context);
       field->set_maps(column, 3, multiply(maps, y, context));
     }
   };
-  SparseRows twist_sides[3];
+  SparseRows sides[3];  // caused by a number per vertex, for each column of the maps
   for (int axis = 0; axis < 3; ++axis) {
-    const SparseRows sides = system.field_rows(axis, coupling, context);
-    solve_functions(sides, field->weights(), axis);
-    if (!field->has_limbs()) continue;
-    // The strain of twists is b (R W m)ᵀ = Σ_k m_k b (row k of (R W)ᵀ).
-    const LimbTwist& limbs = field->limbs();
-    for (int m = 0; m < 3; ++m) {
-      SparseRows part = sides;
-      for (Eigen::Index k = 0; k < part.nonZeros(); ++k) {
-        const int v = part.innerIndexPtr()[k];
-        part.valuePtr()[k] *= limbs.at(v).moment[m] * limbs.at(v).direction[axis];
-      }
-      take_over(twist_sides[m], axis == 0 ? std::move(part) : SparseRows(twist_sides[m] + part));
-    }
+    take_over(sides[axis], system.field_rows(axis, coupling, context));
+    solve_functions(functions, axis, [&](Eigen::Index begin, Eigen::Index count) {
+      return multiply(sides[axis], field->weights().middleCols(begin, count), context);
+    });
   }
-  for (int m = 0; m < 3 && field->has_limbs(); ++m)
-    solve_functions(twist_sides[m], field->twist_weights(), 3 * functions + m);
+  if (!field->has_limbs()) return;
+  // The strain of twists is b (R W m)ᵀ = Σ_k m_k b (row k of (R W)ᵀ).
+  const LimbTwist& limbs = field->limbs();
+  const Columns& weights = field->twist_weights();
+  for (int m = 0; m < 3; ++m)
+    solve_functions(weights.cols(), 3 * functions + m, [&](Eigen::Index begin, Eigen::Index count) {
+      Columns sum;
+      for (int axis = 0; axis < 3; ++axis) {
+        Columns strained = weights.middleCols(begin, count);
+        for (Eigen::Index v = 0; v < strained.rows(); ++v) {
+          const LimbPoint at = limbs.at(static_cast<Index>(v));
+          strained.row(v) *= at.moment[m] * at.direction[axis];
+        }
+        const Columns part = multiply(sides[axis], strained, context);
+        if (axis == 0)
+          sum = part;
+        else
+          sum += part;
+      }
+      return sum;
+    });
 }
 
 /// Adds the displacements that anchors with targets cause while all handles rest.
