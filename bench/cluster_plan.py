@@ -34,6 +34,7 @@ class Work:
     file_bytes: float = 50  # of a file of positions in double precision and triangles
     unknowns: float = 1.9  # x, y and z of an unknown are one
     entries: float = 82  # of the matrix
+    wide: float = 1.13  # memory with indices of 64 bits, relative to 32
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,11 @@ class Plan:
         return sum(self.seconds.values())
 
 
+def most_narrow(work):
+    """Returns the number of vertices that indices of 32 bits suffice for."""
+    return math.floor(MOST_INDEX / max(COLUMNS * work.unknowns, NEIGHBOURS))
+
+
 def plan(vertices, machines, machine=Machine(), work=Work()):
     """Returns the plan of a run on a number of machines."""
     ranks = machines * machine.ranks
@@ -87,7 +93,8 @@ def plan(vertices, machines, machine=Machine(), work=Work()):
                           * (work.messages * levels + work.reductions * math.ceil(math.log2(ranks))),
         "solve: bytes sent": sent * work.message_bytes * halo * levels * machine.ranks / machine.network_bandwidth,
     }
-    return Plan(ranks, part, of_machine * work.bytes, seconds)
+    bytes_per_vertex = work.bytes * (work.wide if vertices > most_narrow(work) else 1)
+    return Plan(ranks, part, of_machine * bytes_per_vertex, seconds)
 
 
 def cost(found, machines, machine):
@@ -102,8 +109,7 @@ def most_vertices(machine, work=Work(), share=0.5):
 def limits(ranks, work=Work()):
     """Returns what breaks, each with the number of vertices of the whole mesh that still works, the smallest first."""
     return sorted([
-        (math.floor(MOST_INDEX / max(COLUMNS * work.unknowns, NEIGHBOURS)), "the unknowns need a PETSc and a PT-Scotch of 64-bit "
-                                                                            "indices: the preset petsc64"),
+        (most_narrow(work), "the unknowns need a PETSc and a PT-Scotch of 64-bit indices: the preset petsc64"),
         (math.floor(MOST_INDEX / work.entries * ranks), "the matrix of one rank has too many entries for PETSc's 32-bit "
                                                         "indices: more ranks are needed"),
         (MOST_INDEX // FACES, "a PLY file cannot have so many faces: the mesh has to be in chunks"),

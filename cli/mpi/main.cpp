@@ -13,6 +13,7 @@
 #include "cli/choices.h"
 #include "cli/exit_status.h"
 #include "cli/facts.h"
+#include "cli/outputs.h"
 #include "cli/wording.h"
 #include "distributed/convert_mesh.h"
 #include "distributed/run_step.h"
@@ -46,6 +47,7 @@ void add_convert(CLI::App& program, Arguments& arguments) {
                   "The most records in a file of chunks (16777216)")
       ->type_name("NUMBER")
       ->check(cli::whole_number_from(1, std::numeric_limits<int>::max()));
+  convert.footer("Example:\n  mpirun -n 4 meshgraft-mpi convert mesh.ply -o mesh.chunks");
   convert.add_flag("--force", request.force, "A PLY file may replace the input");
   convert.callback([&arguments] { arguments.converts = true; });
 }
@@ -113,8 +115,14 @@ int run_program(const distributed::Session& session, int argc, char** argv) {
   }
   session.start_solvers(arguments.petsc);
   if (arguments.preconditioner) arguments.request.preconditioner = *arguments.preconditioner;
-  if (arguments.method) arguments.request.overrides.method = *arguments.method;
-  distributed::run_distributed(session.comm(), arguments.request, cli::text_of);
+  distributed::RunRequest& request = arguments.request;
+  if (arguments.method) request.overrides.method = *arguments.method;
+  request.check_outputs = [&request](const std::filesystem::path& input) {
+    cli::Outputs outputs{.report = request.report};
+    if (request.output.extension() == ".ply") outputs.mesh = request.output;  // others are in chunks
+    cli::require_outputs(outputs, {input}, request.edit, request.force);
+  };
+  distributed::run_distributed(session.comm(), request, cli::text_of);
   return 0;
 }
 

@@ -118,6 +118,13 @@ void convert_table(const Communicator& comm, const RecordTable& source, const Re
 
 }  // namespace
 
+void require_mesh_name(const std::filesystem::path& output) {
+  if (!names_chunks(output) && output.extension() != ".ply")
+    throw Error(facts::io::UnknownExtension{.extension = output.extension().string(),
+                                            .known = std::vector<std::string>{".ply", ".chunks"}},
+                output);
+}
+
 void require_output(const std::filesystem::path& output, const std::filesystem::path& input, bool force) {
   const std::filesystem::path named = output.has_filename() ? output : output.parent_path();
   std::error_code missing;
@@ -125,6 +132,9 @@ void require_output(const std::filesystem::path& output, const std::filesystem::
     throw Error(facts::distributed::OutputIsInput{}, output);
   if (names_chunks(named) && std::filesystem::exists(std::filesystem::symlink_status(named)))
     throw Error(facts::distributed::ChunksReplaceNothing{}, output);
+  if (std::filesystem::exists(named) && !std::filesystem::is_regular_file(named))
+    throw std::filesystem::is_directory(named) ? Error(facts::io::IsFolder{}, output)
+                                               : Error(facts::distributed::NotARegularFile{}, output);
   const std::filesystem::path folder =
       named.has_parent_path() ? named.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder))
@@ -136,10 +146,7 @@ void convert_mesh(MPI_Comm mpi, const ConvertRequest& request) {
   const Communicator comm(mpi);
   StoredMesh to;
   comm.together([&] {
-    if (!names_chunks(request.output) && request.output.extension() != ".ply")
-      throw Error(facts::io::UnknownExtension{.extension = request.output.extension().string(),
-                                              .known = std::vector<std::string>{".ply", ".chunks"}},
-                  request.output);
+    require_mesh_name(request.output);
     if (comm.rank() == 0) require_output(request.output, request.input, request.force);
   });
   const StoredMesh from = open_stored_mesh(comm, request.input);

@@ -21,8 +21,12 @@ struct ConvertRequest {
 /// Error(io).
 void convert_mesh(MPI_Comm comm, const ConvertRequest& request);
 
+/// Throws Error(input) unless the name is that of a PLY file or of a mesh in chunks.
+void require_mesh_name(const std::filesystem::path& output);
+
 /// Throws unless an output can be written there, on the rank that calls it. Throws Error(usage) if it would
-/// replace the input without `force`, or a mesh in chunks would replace anything; Error(io) without its folder.
+/// replace the input without `force`, or a mesh in chunks would replace anything; Error(io) without its folder,
+/// and for what is no regular file.
 void require_output(const std::filesystem::path& output, const std::filesystem::path& input, bool force);
 
 }  // namespace meshgraft::distributed

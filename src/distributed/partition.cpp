@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include <meshgraft/core/error.h>
 
@@ -52,15 +53,20 @@ Adjacency adjacency(const Communicator& comm, const LocalMesh& mesh, const std::
   return edges;
 }
 
-void require_scotch(int status) {
-  if (status != 0) throw Error(facts::distributed::DivisionFailed{});
+/// Throws Error(internal) if the loaded library is not that of the header, which a path may do.
+void require_same_numbers() {
+  const int found = SCOTCH_numSizeof();
+  constexpr int built = sizeof(SCOTCH_Num);
+  if (found != built) throw Error(facts::distributed::DivisionOfOtherNumbers{.found = found, .built = built});
 }
 
-/// The ranks that call with `takes_part`, as a communicator of their own.
+/// The ranks that call with `takes_part`, as a communicator of their own. It has none on the others.
 class SomeRanks {
  public:
   SomeRanks(const Communicator& comm, bool takes_part) {
-    MPI_Comm_split(comm.get(), takes_part ? 0 : MPI_UNDEFINED, comm.rank(), &comm_);
+    const bool is_split =
+        MPI_Comm_split(comm.get(), takes_part ? 0 : MPI_UNDEFINED, comm.rank(), &comm_) == MPI_SUCCESS;
+    if (comm.any(!is_split)) throw Error(facts::distributed::DivisionFailed{});
   }
   SomeRanks(const SomeRanks&) = delete;
   SomeRanks& operator=(const SomeRanks&) = delete;
@@ -73,39 +79,58 @@ class SomeRanks {
   MPI_Comm comm_ = MPI_COMM_NULL;
 };
 
-/// A distributed graph of PT-Scotch. `edges` must outlive it.
+/// A distributed graph of PT-Scotch with the strategy that divides it. Each function returns whether it
+/// succeeded on this rank; all ranks call the next one only where all succeeded.
 class ScotchGraph {
  public:
-  ScotchGraph(MPI_Comm comm, Adjacency& edges) {
-    require_scotch(SCOTCH_dgraphInit(&graph_, comm));
-    const auto vertices = static_cast<SCOTCH_Num>(edges.offsets.size()) - 1;
-    const auto arcs = static_cast<SCOTCH_Num>(edges.neighbours.size());
-    built_ = SCOTCH_dgraphBuild(&graph_, 0, vertices, vertices, edges.offsets.data(), edges.offsets.data() + 1,
-                                nullptr, nullptr, arcs, arcs, edges.neighbours.data(), nullptr, nullptr);
-  }
+  explicit ScotchGraph(MPI_Comm comm)
+      : made_(SCOTCH_stratInit(&strategy_) == 0 && SCOTCH_dgraphInit(&graph_, comm) == 0) {}
   ScotchGraph(const ScotchGraph&) = delete;
   ScotchGraph& operator=(const ScotchGraph&) = delete;
-  ~ScotchGraph() { SCOTCH_dgraphExit(&graph_); }
+  ~ScotchGraph() {
+    if (!made_) return;
+    SCOTCH_dgraphExit(&graph_);
+    SCOTCH_stratExit(&strategy_);
+  }
 
-  /// Returns the part of each own vertex.
-  std::vector<SCOTCH_Num> divide(SCOTCH_Num parts, std::size_t own) {
-    require_scotch(built_);
+  bool is_made() const { return made_; }
+  /// `edges` must outlive the graph.
+  bool build(Adjacency& edges) {
+    const auto vertices = static_cast<SCOTCH_Num>(edges.offsets.size()) - 1;
+    const auto arcs = static_cast<SCOTCH_Num>(edges.neighbours.size());
+    return SCOTCH_dgraphBuild(&graph_, 0, vertices, vertices, edges.offsets.data(), edges.offsets.data() + 1,
+                              nullptr, nullptr, arcs, arcs, edges.neighbours.data(), nullptr, nullptr) == 0;
+  }
+  /// Writes the part of each own vertex.
+  bool divide(SCOTCH_Num parts, SCOTCH_Num* part_of) {
     constexpr double imbalance = 0.01;
-    SCOTCH_Strat strategy;
-    require_scotch(SCOTCH_stratInit(&strategy));
-    std::vector<SCOTCH_Num> part(own);
-    const bool divided =
-        SCOTCH_stratDgraphMapBuild(&strategy, SCOTCH_STRATDEFAULT, parts, parts, imbalance) == 0 &&
-        SCOTCH_dgraphPart(&graph_, parts, &strategy, part.data()) == 0;
-    SCOTCH_stratExit(&strategy);
-    require_scotch(divided ? 0 : 1);
-    return part;
+    return SCOTCH_stratDgraphMapBuild(&strategy_, SCOTCH_STRATDEFAULT, parts, parts, imbalance) == 0 &&
+           SCOTCH_dgraphPart(&graph_, parts, &strategy_, part_of) == 0;
   }
 
  private:
   SCOTCH_Dgraph graph_;
-  int built_ = 0;
+  SCOTCH_Strat strategy_;
+  bool made_ = false;
 };
+
+/// Returns the part of each own vertex of a graph. Ranks without vertices take no part, for which PT-Scotch is
+/// not made.
+std::vector<SCOTCH_Num> divide(const Communicator& comm, Adjacency& edges) {
+  const std::size_t own = edges.offsets.size() - 1;
+  std::vector<SCOTCH_Num> part_of;
+  comm.together([&] { part_of.resize(own); });
+  const SomeRanks with_vertices(comm, own > 0);
+  const auto require_on_all = [&](bool succeeded) {
+    if (comm.any(!succeeded)) throw Error(facts::distributed::DivisionFailed{});
+  };
+  std::optional<ScotchGraph> graph;
+  if (own > 0) graph.emplace(with_vertices.get());
+  require_on_all(!graph || graph->is_made());
+  require_on_all(!graph || graph->build(edges));
+  require_on_all(!graph || graph->divide(static_cast<SCOTCH_Num>(comm.size()), part_of.data()));
+  return part_of;
+}
 
 }  // namespace
 
@@ -123,15 +148,9 @@ std::vector<int> partition_vertices(const Communicator& comm, const LocalMesh& m
       if (numbers[v] >= 0) rank_of[v] = static_cast<int>(numbers[v] / per_rank);
     return rank_of;
   }
+  comm.together(require_same_numbers);
   Adjacency edges = adjacency(comm, mesh, numbers);
-  const std::size_t flagged_count = edges.offsets.size() - 1;
-  const SomeRanks with_vertices(comm, flagged_count > 0);
-  std::vector<SCOTCH_Num> part;
-  comm.together([&] {
-    if (flagged_count == 0) return;
-    ScotchGraph graph(with_vertices.get(), edges);
-    part = graph.divide(static_cast<SCOTCH_Num>(comm.size()), flagged_count);
-  });
+  const std::vector<SCOTCH_Num> part = divide(comm, edges);
   for (std::size_t v = 0, row = 0; v < numbers.size() && row < part.size(); ++v)
     if (numbers[v] >= 0) rank_of[v] = static_cast<int>(part[row++]);
   return rank_of;

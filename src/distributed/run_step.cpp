@@ -145,6 +145,8 @@ void run_distributed(MPI_Comm mpi, const RunRequest& request, const Wording& wor
   const DeformStep& step = only_step(edit);
   const EditInput& input = input_of(edit, step);
   const std::filesystem::path input_path = edit.base_folder / input.file;
+  comm.together([&] { require_mesh_name(request.output); });
+  if (request.check_outputs) request.check_outputs(input_path);
   comm.together([&] {
     if (comm.rank() == 0) require_edit_output(request, input_path);
   });

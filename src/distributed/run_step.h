@@ -7,6 +7,8 @@
 #include <string>
 
 #include <meshgraft/core/error.h>
+#include <functional>
+
 #include <meshgraft/distributed.h>
 #include <meshgraft/script/run_edit.h>
 
@@ -19,6 +21,9 @@ struct RunRequest {
   Preconditioner preconditioner = Preconditioner::blended;
   double tolerance = DistributedOptions{}.tolerance;
   bool force = false;  ///< the output may replace the input
+  /// Throws if an output cannot be written, or would replace another file of the edit, whose mesh is in
+  /// `input`. Every rank calls it before the work: errors of the program cannot be sent.
+  std::function<void(const std::filesystem::path& input)> check_outputs;
 };
 
 /// Runs an edit file of one deform step on a binary PLY file or a mesh in chunks, and writes the result as

@@ -4,6 +4,7 @@
     faults_test.py MESHGRAFT MESHGRAFT_MPI MPIRUN [TEST…]
 """
 
+import os
 import sys
 import tempfile
 import time
@@ -99,6 +100,28 @@ class Faults(unittest.TestCase):
         a, b, c = self.mesh.triangles[1500]
         self.mesh.triangles[1500] = (b, a, c)
         self.fail(self.edit(), INPUT, "same direction")
+
+    def test_outputs_that_would_replace_something(self):
+        edit = self.edit()
+        before = {path: path.read_bytes() for path in (edit, self.path)}
+        report, usage = self.folder / "r.json", 2
+        for output, given, status, word in (
+                (self.output, self.path, usage, "input"), (self.output, edit, usage, "input"),
+                (edit, report, INPUT, ".chunks"), (self.output, self.output, usage, "two outputs"),
+                (self.path, report, usage, "--force"), (self.folder / "out.obj", report, INPUT, ".obj"),
+                (self.output, self.folder / "nowhere" / "r.json", IO, "folder"), (self.folder, report, INPUT, ".ply")):
+            with self.subTest(output=output.name, report=given.name):
+                self.assert_fails(run_ranks(2, edit, "-o", output, "--report", given), status, word)
+                self.assertEqual({path: path.read_bytes() for path in before}, before)
+
+    def test_a_pipe_as_output(self):
+        edit = self.edit()
+        os.mkfifo(self.output)
+        self.addCleanup(self.output.unlink)
+        done = run_ranks(2, edit, "-o", self.output)
+        self.assertEqual(done.returncode, IO, done.stderr)
+        assert_one_error(self, done, "pipe")
+        self.assertTrue(self.output.is_fifo())
 
     def test_a_rank_that_is_killed(self):
         self.mesh = Mesh()
