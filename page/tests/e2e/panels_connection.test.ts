@@ -3,6 +3,7 @@ import { EditorHarness, Engine, freePort, run } from "./harness";
 
 async function openAndMove(harness: EditorHarness): Promise<void> {
   const { page } = harness.user;
+  await harness.user.ready();
   await page.getByRole("button", { name: /bar\.obj/ }).first().click();
   await page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
   await page.evaluate(async () => {

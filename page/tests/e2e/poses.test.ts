@@ -55,6 +55,7 @@ test("a matrix of a file gets a gizmo, and goes on from where it was", async () 
     editWith({ name: "top", select, pose: { def: "top.def" } }),
   );
   await user.page.reload();
+  await user.ready();
   await openListed(user, /bar_edit\.json/);
   await page.getByRole("button", { name: /^top/ }).first().click();
   const before = positionsOf(await exported(harness, "before", ".obj"));
@@ -97,6 +98,7 @@ test("a curve that was redrawn gets a gizmo, and is moved and turned as a whole"
   };
   writeFileSync(harness.folder.file("bar_edit.json"), editWith(handle));
   await page.reload();
+  await user.ready();
   await openListed(user, /bar_edit\.json/);
   await page.getByRole("button", { name: /^edge/ }).first().click();
   const before = positionsOf(await exported(harness, "before", ".obj"));

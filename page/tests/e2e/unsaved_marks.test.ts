@@ -17,6 +17,7 @@ class Marked {
     const { page, harness } = marked;
     run("sample", "bar", "--resolution", "8", "-o", harness.folder.file("bar.obj"));
     await page.reload();
+    await harness.user.ready();
     await page.getByRole("button", { name: /bar\.obj/ }).first().click();
     await page.waitForFunction(() => window.meshgraft.viewport.main !== undefined);
     await harness.user.settle();
