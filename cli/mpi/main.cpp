@@ -18,6 +18,7 @@
 #include "distributed/convert_mesh.h"
 #include "distributed/run_step.h"
 #include "distributed/session.h"
+#include "distributed/stored_mesh.h"
 
 namespace {
 
@@ -35,6 +36,7 @@ struct Arguments {
 void add_convert(CLI::App& program, Arguments& arguments) {
   CLI::App& convert = *program.add_subcommand(
       "convert", "Convert between a binary PLY file and a mesh in chunks, in constant memory");
+  convert.footer("Example:\n  mpirun -n 4 meshgraft-mpi convert mesh.ply -o mesh.chunks");
   distributed::ConvertRequest& request = arguments.convert;
   convert.add_option("input", request.input, "The mesh: a binary PLY file, or a folder NAME.chunks")
       ->required()
@@ -47,7 +49,6 @@ void add_convert(CLI::App& program, Arguments& arguments) {
                   "The most records in a file of chunks (16777216)")
       ->type_name("NUMBER")
       ->check(cli::whole_number_from(1, std::numeric_limits<int>::max()));
-  convert.footer("Example:\n  mpirun -n 4 meshgraft-mpi convert mesh.ply -o mesh.chunks");
   convert.add_flag("--force", request.force, "A PLY file may replace the input");
   convert.callback([&arguments] { arguments.converts = true; });
 }
@@ -119,7 +120,7 @@ int run_program(const distributed::Session& session, int argc, char** argv) {
   if (arguments.method) request.overrides.method = *arguments.method;
   request.check_outputs = [&request](const std::filesystem::path& input) {
     cli::Outputs outputs{.report = request.report};
-    if (request.output.extension() == ".ply") outputs.mesh = request.output;  // others are in chunks
+    if (!distributed::names_chunks(request.output)) outputs.mesh = request.output;
     cli::require_outputs(outputs, {input}, request.edit, request.force);
   };
   distributed::run_distributed(session.comm(), request, cli::text_of);

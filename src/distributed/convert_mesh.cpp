@@ -119,7 +119,7 @@ void convert_table(const Communicator& comm, const RecordTable& source, const Re
 }  // namespace
 
 void require_mesh_name(const std::filesystem::path& output) {
-  if (!names_chunks(output) && output.extension() != ".ply")
+  if (!names_chunks(output) && output.extension() != ".ply" && output.extension() != ".PLY")
     throw Error(facts::io::UnknownExtension{.extension = output.extension().string(),
                                             .known = std::vector<std::string>{".ply", ".chunks"}},
                 output);

@@ -151,7 +151,7 @@ std::vector<int> partition_vertices(const Communicator& comm, const LocalMesh& m
   comm.together(require_same_numbers);
   Adjacency edges = adjacency(comm, mesh, numbers);
   const std::vector<SCOTCH_Num> part = divide(comm, edges);
-  for (std::size_t v = 0, row = 0; v < numbers.size() && row < part.size(); ++v)
+  for (Index v = 0, row = 0; v < own; ++v)
     if (numbers[v] >= 0) rank_of[v] = static_cast<int>(part[row++]);
   return rank_of;
 }

@@ -3,12 +3,11 @@
 #include <mpi.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include <meshgraft/core/error.h>
-#include <functional>
-
 #include <meshgraft/distributed.h>
 #include <meshgraft/script/run_edit.h>
 
@@ -22,7 +21,8 @@ struct RunRequest {
   double tolerance = DistributedOptions{}.tolerance;
   bool force = false;  ///< the output may replace the input
   /// Throws if an output cannot be written, or would replace another file of the edit, whose mesh is in
-  /// `input`. Every rank calls it before the work: errors of the program cannot be sent.
+  /// `input`. Every rank calls it before the work, because errors of the program itself cannot be sent to other
+  /// ranks.
   std::function<void(const std::filesystem::path& input)> check_outputs;
 };
 

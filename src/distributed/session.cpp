@@ -13,7 +13,8 @@ namespace meshgraft::distributed {
 Session::Session(int& argc, char**& argv) {
   int provided = 0;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-  platform::map_large_blocks(std::size_t{1} << 25);
+  constexpr std::size_t large_block = std::size_t{1} << 25;  // smaller ones are mostly used again at once
+  platform::map_large_blocks(large_block);
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
 }
 

@@ -116,18 +116,14 @@ void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const
   const Columns& weights = field->twist_weights();
   for (int m = 0; m < 3; ++m)
     solve_functions(weights.cols(), 3 * functions + m, [&](Eigen::Index begin, Eigen::Index count) {
-      Columns sum;
+      Columns sum = Columns::Zero(sides[0].rows(), count);
       for (int axis = 0; axis < 3; ++axis) {
         Columns strained = weights.middleCols(begin, count);
         for (Eigen::Index v = 0; v < strained.rows(); ++v) {
           const LimbPoint at = limbs.at(static_cast<Index>(v));
           strained.row(v) *= at.moment[m] * at.direction[axis];
         }
-        const Columns part = multiply(sides[axis], strained, context);
-        if (axis == 0)
-          sum = part;
-        else
-          sum += part;
+        sum += multiply(sides[axis], strained, context);
       }
       return sum;
     });
