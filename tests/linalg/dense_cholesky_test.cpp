@@ -1,5 +1,6 @@
 #include "linalg/direct/dense_cholesky.h"
 
+#include <functional>
 #include <limits>
 #include <random>
 #include <string>
@@ -10,6 +11,7 @@
 #include <Eigen/Cholesky>
 
 #include "linalg/blas_threads.h"
+#include "linalg/direct/narrow_solve.h"
 #include "matrix_families.h"
 
 namespace meshgraft {
@@ -98,14 +100,16 @@ TEST_F(DenseCholesky, LeavesTheSchurComplementBelow) {
   }
 }
 
-TEST_F(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) {
+using Substitution = std::function<void(const double* panel, int rows, int columns, double* x, int width)>;
+
+/// Checks that the product with the factor takes back what a forward substitution does.
+void expect_forward(const Substitution& substitute) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd panel = factorised(front), factor = factor_of(front);
-    for (const int width : {1, 2, 3, 4, 7}) {
+    for (const int width : {1, 2, 3, 4, 5, 6, 7, 13, 40}) {
       const MatrixXd before = MatrixXd::Random(front.rows(), width);
       MatrixXd x = before;
-      solve_panel(panel.data(), front.rows(), front.columns, x.data(), width);
-      // The product with the factor takes back what was done.
+      substitute(panel.data(), front.rows(), front.columns, x.data(), width);
       MatrixXd again = x;
       again.topRows(front.columns).setZero();
       again += factor * x.topRows(front.columns);
@@ -114,17 +118,37 @@ TEST_F(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) {
   }
 }
 
-TEST_F(DenseCholesky, SubstitutesBackwardForAnyNumberOfColumns) {
+/// Checks the same of a backward substitution, which keeps the rows below.
+void expect_backward(const Substitution& substitute) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd panel = factorised(front), factor = factor_of(front);
-    for (const int width : {1, 2, 3, 4, 7}) {
+    for (const int width : {1, 2, 3, 4, 5, 6, 7, 13, 40}) {
       const MatrixXd before = MatrixXd::Random(front.rows(), width);
       MatrixXd x = before;
-      solve_panel_transposed(panel.data(), front.rows(), front.columns, x.data(), width);
+      substitute(panel.data(), front.rows(), front.columns, x.data(), width);
       EXPECT_LE((factor.transpose() * x - before.topRows(front.columns)).norm(), 1e-13 * before.norm())
           << front.name() << ' ' << width;
       EXPECT_EQ(x.bottomRows(front.below()), before.bottomRows(front.below())) << front.name() << ' ' << width;
     }
+  }
+}
+
+TEST_F(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) { expect_forward(solve_panel); }
+
+TEST_F(DenseCholesky, SubstitutesBackwardForAnyNumberOfColumns) { expect_backward(solve_panel_transposed); }
+
+TEST_F(DenseCholesky, SubstitutesNarrowlyWithEachOfTheProcessorsInstructions) {
+  using platform::VectorInstructions;
+  for (const auto instructions :
+       {VectorInstructions::baseline, VectorInstructions::avx2, VectorInstructions::avx512}) {
+    if (instructions > platform::vector_instructions()) continue;
+    SCOPED_TRACE(static_cast<int>(instructions));
+    expect_forward([&](const double* panel, int rows, int columns, double* x, int width) {
+      solve_narrow_panel(panel, rows, columns, x, width, instructions);
+    });
+    expect_backward([&](const double* panel, int rows, int columns, double* x, int width) {
+      solve_narrow_panel_transposed(panel, rows, columns, x, width, instructions);
+    });
   }
 }
 

@@ -4,9 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "core/parallel.h"
+#include "narrow_solve.h"
 
 // BLAS and LAPACK under their Fortran names. The lengths of their one-letter strings are not read.
 // NOLINTBEGIN(readability-identifier-naming)
@@ -97,121 +96,17 @@ void form_update(const double* panel, int rows, int columns, double* update, con
 
 namespace {
 
-// For few right-hand sides reading the panel takes the time, so it is read once. BLAS would pack it first.
-
-constexpr int strip = 4;  ///< columns of the panel processed together
-
-constexpr int line = 8;  ///< values in a cache line
-
-/// Prefetches a cache line of each column of the strip that lies `by` columns further on. The runs are too
-/// short for the hardware prefetcher.
-template <int columns>
-void fetch_strip(const double* panel, int rows, int row, int by) {
-  for (int q = 0; q < columns; ++q) __builtin_prefetch(panel + row + static_cast<std::int64_t>(by + q) * rows);
-}
-
-/// Computes x_r −= Σ_q L_rq y_q for the rows from `first` on.
-template <int width, int columns>
-void subtract_product(const double* panel, int rows, int first, const double (&y)[strip][width], double* x) {
-  const double* __restrict l = panel;
-  double* __restrict out = x;
-  for (int begin = first; begin < rows; begin += line) {
-    fetch_strip<columns>(panel, rows, begin, columns);
-    const int end = std::min(begin + line, rows);
-    for (int r = begin; r < end; ++r) {
-      for (int c = 0; c < width; ++c) {
-        double sum = 0;
-        for (int q = 0; q < columns; ++q) sum += l[r + static_cast<std::int64_t>(q) * rows] * y[q][c];
-        out[r + static_cast<std::int64_t>(c) * rows] -= sum;
-      }
-    }
-  }
-}
-
-/// Computes y_q −= Σ_r L_rq x_r over the rows from `first` on.
-template <int width, int columns>
-void subtract_dot_products(const double* panel, int rows, int first, const double* x,
-                           double (&y)[strip][width]) {
-  using Pair = Eigen::Array2d;
-  Pair sums[columns][width];
-  for (auto& of_column : sums)
-    for (Pair& sum : of_column) sum.setZero();
-  int r = first;
-  for (; r + 1 < rows; r += 2) {
-    if ((r - first) % line == 0) fetch_strip<columns>(panel, rows, r, -columns);
-    for (int c = 0; c < width; ++c) {
-      const Pair value = Eigen::Map<const Pair>(x + r + static_cast<std::int64_t>(c) * rows);
-      for (int q = 0; q < columns; ++q)
-        sums[q][c] += Eigen::Map<const Pair>(panel + r + static_cast<std::int64_t>(q) * rows) * value;
-    }
-  }
-  for (int q = 0; q < columns; ++q)
-    for (int c = 0; c < width; ++c) {
-      double sum = sums[q][c].sum();
-      if (r < rows)
-        sum += panel[r + static_cast<std::int64_t>(q) * rows] * x[r + static_cast<std::int64_t>(c) * rows];
-      y[q][c] -= sum;
-    }
-}
-
-template <int width, int columns>
-void solve_strip(const double* panel, int rows, int first, double* x) {
-  double y[strip][width];
-  for (int q = 0; q < columns; ++q)
-    for (int c = 0; c < width; ++c) {
-      double value = x[first + q + static_cast<std::int64_t>(c) * rows];
-      for (int before = 0; before < q; ++before)
-        value -= panel[first + q + static_cast<std::int64_t>(before) * rows] * y[before][c];
-      y[q][c] = value / panel[first + q + static_cast<std::int64_t>(q) * rows];
-      x[first + q + static_cast<std::int64_t>(c) * rows] = y[q][c];
-    }
-  subtract_product<width, columns>(panel, rows, first + columns, y, x);
-}
-
-template <int width, int columns>
-void solve_strip_transposed(const double* panel, int rows, int first, double* x) {
-  double y[strip][width];
-  for (int q = 0; q < columns; ++q)
-    for (int c = 0; c < width; ++c) y[q][c] = x[first + q + static_cast<std::int64_t>(c) * rows];
-  subtract_dot_products<width, columns>(panel, rows, first + columns, x, y);
-  for (int q = columns - 1; q >= 0; --q)
-    for (int c = 0; c < width; ++c) {
-      double value = y[q][c];
-      for (int after = q + 1; after < columns; ++after)
-        value -= panel[first + after + static_cast<std::int64_t>(q) * rows] * y[after][c];
-      y[q][c] = value / panel[first + q + static_cast<std::int64_t>(q) * rows];
-      x[first + q + static_cast<std::int64_t>(c) * rows] = y[q][c];
-    }
-}
-
-template <int width>
-void solve_narrow(const double* panel, int rows, int columns, double* x) {
-  int first = 0;
-  for (; first + strip <= columns; first += strip)
-    solve_strip<width, strip>(panel + static_cast<std::int64_t>(first) * rows, rows, first, x);
-  for (; first < columns; ++first)
-    solve_strip<width, 1>(panel + static_cast<std::int64_t>(first) * rows, rows, first, x);
-}
-
-template <int width>
-void solve_narrow_transposed(const double* panel, int rows, int columns, double* x) {
-  int first = columns;
-  for (; first % strip != 0; --first)
-    solve_strip_transposed<width, 1>(panel + static_cast<std::int64_t>(first - 1) * rows, rows, first - 1, x);
-  for (; first > 0; first -= strip)
-    solve_strip_transposed<width, strip>(panel + static_cast<std::int64_t>(first - strip) * rows, rows,
-                                         first - strip, x);
+/// Returns whether the kernels for few right-hand sides are faster than BLAS, which packs the panel first.
+bool is_narrow(int rows, int columns, int width) {
+  constexpr int few_columns = 16;
+  constexpr std::int64_t small_panel = 50'000;
+  return width <= few_columns || static_cast<std::int64_t>(rows) * columns <= small_panel;
 }
 
 }  // namespace
 
 void solve_panel(const double* panel, int rows, int columns, double* x, int width) {
-  switch (width) {
-    case 1: return solve_narrow<1>(panel, rows, columns, x);
-    case 2: return solve_narrow<2>(panel, rows, columns, x);
-    case 3: return solve_narrow<3>(panel, rows, columns, x);
-    default: break;
-  }
+  if (is_narrow(rows, columns, width)) return solve_narrow_panel(panel, rows, columns, x, width);
   const int below = rows - columns;
   dtrsm_("L", "L", "N", "N", &columns, &width, &one, panel, &rows, x, &rows);
   if (below > 0)
@@ -220,12 +115,7 @@ void solve_panel(const double* panel, int rows, int columns, double* x, int widt
 }
 
 void solve_panel_transposed(const double* panel, int rows, int columns, double* x, int width) {
-  switch (width) {
-    case 1: return solve_narrow_transposed<1>(panel, rows, columns, x);
-    case 2: return solve_narrow_transposed<2>(panel, rows, columns, x);
-    case 3: return solve_narrow_transposed<3>(panel, rows, columns, x);
-    default: break;
-  }
+  if (is_narrow(rows, columns, width)) return solve_narrow_panel_transposed(panel, rows, columns, x, width);
   const int below = rows - columns;
   if (below > 0)
     dgemm_("T", "N", &columns, &width, &below, &minus_one, panel + columns, &rows, x + columns, &rows, &one, x,

@@ -213,14 +213,13 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
   Eigen::MatrixXd result(rhs.rows(), rhs.cols());
   for (Eigen::Index begin = 0; begin < rhs.cols(); begin += widest) {
     const Eigen::Index width = std::min(widest, rhs.cols() - begin);
-    Eigen::MatrixXd x(rhs.rows(), width);
+    RightHandSides x(rhs.rows(), width);
     const auto for_each_position = [&](const auto& body) {
       parallel_blocks(
           pattern_.order.size(),
           [&](std::size_t first, std::size_t last) {
-            for (Eigen::Index c = 0; c < width; ++c)
-              for (auto p = static_cast<Eigen::Index>(first); p < static_cast<Eigen::Index>(last); ++p)
-                body(p, c);
+            for (auto p = static_cast<Eigen::Index>(first); p < static_cast<Eigen::Index>(last); ++p)
+              for (Eigen::Index c = 0; c < width; ++c) body(p, c);
           },
           context, 16'384);
     };
@@ -232,8 +231,13 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
 }
 
 /// Computes x ← L⁻ᵀ L⁻¹ x, with rows indexed by position.
-void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) const {
+void MultifrontalFactor::substitute(RightHandSides& x, const Context& context) const {
   const auto width = static_cast<int>(x.cols());
+  struct Scratch {
+    std::vector<int> rows;
+    std::vector<double> values;
+  };
+  tbb::enumerable_thread_specific<Scratch> scratches;
   // Per supernode, in its own front: the amounts that its columns subtract from the rows below.
   std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
   forest_.visit_up(
@@ -243,12 +247,13 @@ void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) 
         double* values = fronts[node].get();
         for (int c = 0; c < width; ++c) {
           double* own = values + static_cast<std::int64_t>(c) * f.rows;
-          std::copy_n(x.data() + c * x.rows() + f.first, f.columns, own);
+          for (int r = 0; r < f.columns; ++r) own[r] = x(f.first + r, c);
           std::fill_n(own + f.columns, f.below(), 0.0);
         }
+        std::vector<int>& rows = scratches.local().rows;
         for (const int child : children_[node]) {
           const Front g = front(child);
-          std::vector<int> rows(g.below());
+          rows.resize(g.below());
           for (int r = 0, k = 0; r < g.below(); ++r) {
             while (f.positions[k] < g.positions[g.columns + r]) ++k;
             rows[r] = k;
@@ -261,22 +266,21 @@ void MultifrontalFactor::substitute(Eigen::MatrixXd& x, const Context& context) 
           fronts[child].reset();
         }
         solve_panel(f.panel, f.rows, f.columns, values, width);
-        for (int c = 0; c < width; ++c)
-          std::copy_n(values + static_cast<std::int64_t>(c) * f.rows, f.columns,
-                      x.data() + c * x.rows() + f.first);
+        for (int r = 0; r < f.columns; ++r)
+          for (int c = 0; c < width; ++c) x(f.first + r, c) = values[r + static_cast<std::int64_t>(c) * f.rows];
       },
       context);
   forest_.visit_down(
       [&](int node) {
         const Front f = front(node);
-        const std::unique_ptr<double[]> values(new double[static_cast<std::size_t>(f.rows) * width]);
-        for (int c = 0; c < width; ++c)
-          for (int r = 0; r < f.rows; ++r)
+        std::vector<double>& values = scratches.local().values;
+        values.resize(static_cast<std::size_t>(f.rows) * width);
+        for (int r = 0; r < f.rows; ++r)
+          for (int c = 0; c < width; ++c)
             values[r + static_cast<std::int64_t>(c) * f.rows] = x(f.positions[r], c);
-        solve_panel_transposed(f.panel, f.rows, f.columns, values.get(), width);
-        for (int c = 0; c < width; ++c)
-          std::copy_n(values.get() + static_cast<std::int64_t>(c) * f.rows, f.columns,
-                      x.data() + c * x.rows() + f.first);
+        solve_panel_transposed(f.panel, f.rows, f.columns, values.data(), width);
+        for (int r = 0; r < f.columns; ++r)
+          for (int c = 0; c < width; ++c) x(f.first + r, c) = values[r + static_cast<std::int64_t>(c) * f.rows];
       },
       context);
 }

@@ -38,7 +38,9 @@ class MultifrontalFactor {
   void add_updates(int node, int from, int to, const std::vector<int>& row_at, const Elimination& elimination,
                    double* target, int shift, int stride) const;
   void eliminate(int node, std::vector<int>& row_at, Elimination& elimination, const Context& context) const;
-  void substitute(Eigen::MatrixXd& x, const Context& context) const;
+  /// Positions×columns, row by row: a front then reads all its right-hand sides of a position at once.
+  using RightHandSides = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  void substitute(RightHandSides& x, const Context& context) const;
 
   SupernodalPattern pattern_;
   std::vector<int> inverse_permutation_;   ///< per unknown: its position

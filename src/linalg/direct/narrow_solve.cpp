@@ -1,0 +1,219 @@
+#include "narrow_solve.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+namespace meshgraft {
+
+namespace {
+
+constexpr int strip = 4;   ///< columns of the panel processed together
+constexpr int widest = 6;  ///< right-hand sides processed together
+constexpr int line = 8;    ///< values in a cache line
+
+// The functions below are inlined into one entry point for each set of instructions, which compiles them for
+// it.
+#define MESHGRAFT_INLINE [[gnu::always_inline]] inline
+
+/// `lanes` values that are computed together.
+template <int lanes>
+struct Vector {
+  using Type [[gnu::vector_size(lanes * sizeof(double))]] = double;
+};
+template <>
+struct Vector<1> {
+  using Type = double;
+};
+template <int lanes>
+using Lanes = typename Vector<lanes>::Type;
+
+template <int lanes>
+MESHGRAFT_INLINE void load(const double* from, Lanes<lanes>& values) {
+  std::memcpy(&values, from, sizeof(values));
+}
+
+template <int lanes>
+MESHGRAFT_INLINE void store(const Lanes<lanes>& values, double* to) {
+  std::memcpy(to, &values, sizeof(values));
+}
+
+/// Prefetches a cache line of each column of the strip that lies `by` columns further on. The runs are too
+/// short for the hardware prefetcher.
+template <int columns>
+MESHGRAFT_INLINE void fetch_strip(const double* panel, int rows, int row, int by) {
+  for (int q = 0; q < columns; ++q) __builtin_prefetch(panel + row + static_cast<std::int64_t>(by + q) * rows);
+}
+
+/// Computes x_r −= Σ_q L_rq y_q for the rows from `r` on.
+template <int lanes, int width, int columns>
+MESHGRAFT_INLINE void subtract_product(const double* panel, int rows, int r, const double (&y)[strip][width],
+                                       double* x) {
+  for (; r + lanes <= rows; r += lanes) {
+    if (lanes >= line || r % line < lanes) fetch_strip<columns>(panel, rows, r, columns);
+    Lanes<lanes> l[columns];
+    for (int q = 0; q < columns; ++q) load<lanes>(panel + r + static_cast<std::int64_t>(q) * rows, l[q]);
+    for (int c = 0; c < width; ++c) {
+      double* const out = x + r + static_cast<std::int64_t>(c) * rows;
+      Lanes<lanes> value;
+      load<lanes>(out, value);
+      for (int q = 0; q < columns; ++q) value -= l[q] * y[q][c];
+      store<lanes>(value, out);
+    }
+  }
+  if constexpr (lanes > 1) subtract_product<lanes / 2, width, columns>(panel, rows, r, y, x);
+}
+
+/// Computes y_q −= Σ_r L_rq x_r over the rows from `r` on.
+template <int lanes, int width, int columns>
+MESHGRAFT_INLINE void subtract_dot_products(const double* panel, int rows, int r, const double* x,
+                                            double (&y)[strip][width]) {
+  if (r + lanes <= rows) {
+    Lanes<lanes> sums[columns][width] = {};
+    for (; r + lanes <= rows; r += lanes) {
+      if (lanes >= line || r % line < lanes) fetch_strip<columns>(panel, rows, r, -columns);
+      Lanes<lanes> value[width];
+      for (int c = 0; c < width; ++c) load<lanes>(x + r + static_cast<std::int64_t>(c) * rows, value[c]);
+      for (int q = 0; q < columns; ++q) {
+        Lanes<lanes> l;
+        load<lanes>(panel + r + static_cast<std::int64_t>(q) * rows, l);
+        for (int c = 0; c < width; ++c) sums[q][c] += l * value[c];
+      }
+    }
+    for (int q = 0; q < columns; ++q)
+      for (int c = 0; c < width; ++c) {
+        double parts[lanes];
+        store<lanes>(sums[q][c], parts);
+        for (int half = lanes / 2; half > 0; half /= 2)
+          for (int k = 0; k < half; ++k) parts[k] += parts[k + half];
+        y[q][c] -= parts[0];
+      }
+  }
+  if constexpr (lanes > 1) subtract_dot_products<lanes / 2, width, columns>(panel, rows, r, x, y);
+}
+
+template <int lanes, int width, int columns>
+MESHGRAFT_INLINE void solve_strip(const double* panel, int rows, int first, double* x) {
+  double y[strip][width];
+  for (int q = 0; q < columns; ++q)
+    for (int c = 0; c < width; ++c) {
+      double value = x[first + q + static_cast<std::int64_t>(c) * rows];
+      for (int before = 0; before < q; ++before)
+        value -= panel[first + q + static_cast<std::int64_t>(before) * rows] * y[before][c];
+      y[q][c] = value / panel[first + q + static_cast<std::int64_t>(q) * rows];
+      x[first + q + static_cast<std::int64_t>(c) * rows] = y[q][c];
+    }
+  subtract_product<lanes, width, columns>(panel, rows, first + columns, y, x);
+}
+
+template <int lanes, int width, int columns>
+MESHGRAFT_INLINE void solve_strip_transposed(const double* panel, int rows, int first, double* x) {
+  double y[strip][width];
+  for (int q = 0; q < columns; ++q)
+    for (int c = 0; c < width; ++c) y[q][c] = x[first + q + static_cast<std::int64_t>(c) * rows];
+  subtract_dot_products<lanes, width, columns>(panel, rows, first + columns, x, y);
+  for (int q = columns - 1; q >= 0; --q)
+    for (int c = 0; c < width; ++c) {
+      double value = y[q][c];
+      for (int after = q + 1; after < columns; ++after)
+        value -= panel[first + after + static_cast<std::int64_t>(q) * rows] * y[after][c];
+      y[q][c] = value / panel[first + q + static_cast<std::int64_t>(q) * rows];
+      x[first + q + static_cast<std::int64_t>(c) * rows] = y[q][c];
+    }
+}
+
+template <int lanes, int width>
+MESHGRAFT_INLINE void solve_forward(const double* panel, int rows, int columns, double* x) {
+  int first = 0;
+  for (; first + strip <= columns; first += strip)
+    solve_strip<lanes, width, strip>(panel + static_cast<std::int64_t>(first) * rows, rows, first, x);
+  for (; first < columns; ++first)
+    solve_strip<lanes, width, 1>(panel + static_cast<std::int64_t>(first) * rows, rows, first, x);
+}
+
+template <int lanes, int width>
+MESHGRAFT_INLINE void solve_backward(const double* panel, int rows, int columns, double* x) {
+  int first = columns;
+  for (; first % strip != 0; --first)
+    solve_strip_transposed<lanes, width, 1>(panel + static_cast<std::int64_t>(first - 1) * rows, rows,
+                                            first - 1, x);
+  for (; first > 0; first -= strip)
+    solve_strip_transposed<lanes, width, strip>(panel + static_cast<std::int64_t>(first - strip) * rows, rows,
+                                                first - strip, x);
+}
+
+enum class Direction { forward, backward };
+
+template <int lanes>
+MESHGRAFT_INLINE void solve(Direction direction, const double* panel, int rows, int columns, double* x,
+                            int width) {
+  const bool is_forward = direction == Direction::forward;
+  switch (width) {
+    case 1:
+      return is_forward ? solve_forward<lanes, 1>(panel, rows, columns, x)
+                        : solve_backward<lanes, 1>(panel, rows, columns, x);
+    case 2:
+      return is_forward ? solve_forward<lanes, 2>(panel, rows, columns, x)
+                        : solve_backward<lanes, 2>(panel, rows, columns, x);
+    case 3:
+      return is_forward ? solve_forward<lanes, 3>(panel, rows, columns, x)
+                        : solve_backward<lanes, 3>(panel, rows, columns, x);
+    case 4:
+      return is_forward ? solve_forward<lanes, 4>(panel, rows, columns, x)
+                        : solve_backward<lanes, 4>(panel, rows, columns, x);
+    case 5:
+      return is_forward ? solve_forward<lanes, 5>(panel, rows, columns, x)
+                        : solve_backward<lanes, 5>(panel, rows, columns, x);
+    default:
+      return is_forward ? solve_forward<lanes, widest>(panel, rows, columns, x)
+                        : solve_backward<lanes, widest>(panel, rows, columns, x);
+  }
+}
+
+void solve_baseline(Direction direction, const double* panel, int rows, int columns, double* x, int width) {
+  solve<2>(direction, panel, rows, columns, x, width);
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+[[gnu::target("avx2,fma")]] void solve_avx2(Direction direction, const double* panel, int rows, int columns,
+                                            double* x, int width) {
+  solve<4>(direction, panel, rows, columns, x, width);
+}
+
+[[gnu::target("avx512f,avx512vl,fma")]] void solve_avx512(Direction direction, const double* panel, int rows,
+                                                          int columns, double* x, int width) {
+  solve<8>(direction, panel, rows, columns, x, width);
+}
+#else
+constexpr auto *solve_avx2 = solve_baseline, *solve_avx512 = solve_baseline;
+#endif
+
+#undef MESHGRAFT_INLINE
+
+void solve_all(Direction direction, const double* panel, int rows, int columns, double* x, int width,
+               platform::VectorInstructions instructions) {
+  const auto solve = [&] {
+    switch (instructions) {
+      case platform::VectorInstructions::avx512: return solve_avx512;
+      case platform::VectorInstructions::avx2: return solve_avx2;
+      default: return solve_baseline;
+    }
+  }();
+  for (int c = 0; c < width; c += widest)
+    solve(direction, panel, rows, columns, x + static_cast<std::int64_t>(c) * rows,
+          std::min(widest, width - c));
+}
+
+}  // namespace
+
+void solve_narrow_panel(const double* panel, int rows, int columns, double* x, int width,
+                        platform::VectorInstructions instructions) {
+  solve_all(Direction::forward, panel, rows, columns, x, width, instructions);
+}
+
+void solve_narrow_panel_transposed(const double* panel, int rows, int columns, double* x, int width,
+                                   platform::VectorInstructions instructions) {
+  solve_all(Direction::backward, panel, rows, columns, x, width, instructions);
+}
+
+}  // namespace meshgraft
