@@ -242,7 +242,7 @@ Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index
       count_,
       [&](std::size_t begin, std::size_t end) {
         for (auto a = static_cast<Index>(begin); a < static_cast<Index>(end); ++a) {
-          Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+          Eigen::Matrix<double, 4, 4, Eigen::RowMajor> sum = Eigen::Matrix4d::Zero();
           for (Index k = members_.offsets[a]; k < members_.offsets[a + 1]; ++k) {
             const Index node = members_.values[k];
             const Eigen::Index first = Eigen::Index{nodes.width} * node;

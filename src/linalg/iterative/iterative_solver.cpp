@@ -18,6 +18,8 @@ namespace meshgraft {
 
 namespace {
 
+constexpr std::size_t rows_at_once = 16384;
+
 /// One number per column.
 using FourNumbers = Eigen::Array<double, 1, 4>;
 
@@ -53,7 +55,7 @@ void combine(const FourNumbers& y_scale, FourColumns& y, const FourNumbers& x_sc
         for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row)
           y.row(row) = (y_scale * y.row(row).array() + x_scale * x.row(row).array()).matrix();
       },
-      context, 16384);
+      context, rows_at_once);
 }
 
 /// Solves by conjugate gradients (Hestenes and Stiefel 1952) on up to four columns at once, each with its own
@@ -121,11 +123,18 @@ class IterativeSolver final : public LinearSolver {
   }
 
  private:
-  FourColumns to_rows(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index columns) const {
+  FourColumns to_rows(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index columns,
+                      const Context& context) const {
     const std::vector<int>& unknown = order_.nodes.unknown;
     FourColumns rows = FourColumns::Zero(static_cast<Eigen::Index>(unknown.size()), 4);
-    for (Eigen::Index row = 0; row < rows.rows(); ++row)
-      if (unknown[row] >= 0) rows.row(row).head(columns) = values.block(unknown[row], first, 1, columns);
+    parallel_blocks(
+        unknown.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row)
+            if (unknown[row] >= 0)
+              for (Eigen::Index c = 0; c < columns; ++c) rows(row, c) = values(unknown[row], first + c);
+        },
+        context, rows_at_once);
     return rows;
   }
 
@@ -150,12 +159,12 @@ class IterativeSolver final : public LinearSolver {
     };
     const Context quiet{.threads = context.threads, .progress = {}, .stop_token = context.stop_token};
     Workspace work;
-    FourColumns r = to_rows(rhs, first, columns), x = FourColumns::Zero(r.rows(), 4), z, p, q;
+    FourColumns r = to_rows(rhs, first, columns, quiet), x = FourColumns::Zero(r.rows(), 4), z, p, q;
     precondition(r, columns, z, work, quiet);
     FourNumbers rz = dot(r, z, quiet);
     const FourNumbers goal = options.tolerance * options.tolerance * rz;
     if (options.guess != nullptr) {
-      x = to_rows(*options.guess, first, columns);
+      x = to_rows(*options.guess, first, columns, quiet);
       matrix_->multiply(x, q, quiet);
       combine(FourNumbers::Ones(), r, -FourNumbers::Ones(), q, quiet);
       precondition(r, columns, z, work, quiet);
@@ -181,8 +190,13 @@ class IterativeSolver final : public LinearSolver {
       combine(quotient(rz, rz_before), p, FourNumbers::Ones(), z, quiet);
     }
     const std::vector<int>& row = order_.nodes.row;
-    for (Eigen::Index u = 0; u < rhs.rows(); ++u)
-      solution.block(u, first, 1, columns) = x.row(row[u]).head(columns);
+    parallel_blocks(
+        row.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (auto u = static_cast<Eigen::Index>(begin); u < static_cast<Eigen::Index>(end); ++u)
+            for (Eigen::Index c = 0; c < columns; ++c) solution(u, first + c) = x(row[u], c);
+        },
+        quiet, rows_at_once);
     return iteration;
   }
 
