@@ -198,11 +198,10 @@ Points Deformer::evaluate_with_field(std::span<const VertexConstraint> constrain
     if (!field[v].allFinite())
       throw Error(facts::core::NotFinite{.what = facts::core::Quantity::map}, Location("field")[v]);
   ConstrainedSystem::Problem local;
-  local.field.smoothness.resize(3 * system.patch().size(), 3);
+  local.field.maps.resize(3 * system.patch().size(), 3);
   for (Index v = 0; v < system.patch().size(); ++v)
-    local.field.smoothness.middleRows<3>(3 * v) =
+    local.field.maps.middleRows<3>(3 * v) =
         (field[system.patch().vertices[v]] - Eigen::Matrix3d::Identity()).transpose();
-  local.field.stretch = local.field.smoothness;
   Points positions(system.rest().rows(), 3);
   system.evaluate(constraints, local, positions, report, nullptr, context);
   return positions;

@@ -14,8 +14,10 @@ namespace meshgraft {
 
 namespace {
 
-/// Computes columns [first, first + width) of a·x.
-template <int width>
+enum class Result { set, add };
+
+/// Computes columns [first, first + width) of y = a·x or y ← y + a·x.
+template <int width, Result result>
 void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Columns& y,
                       const Context& context) {
   using Row = Eigen::Matrix<double, 1, width>;
@@ -26,37 +28,54 @@ void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first,
       a.rows(),
       [&](std::size_t begin, std::size_t end) {
         for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row) {
+          auto out = y.row(row).template segment<width>(first);
           Row sum = Row::Zero();
           for (SparseRows::InnerIterator it(a, row); it; ++it)
             sum += it.value() * x.row(it.col()).template segment<width>(first);
-          y.row(row).template segment<width>(first) = sum;
+          if constexpr (result == Result::add) sum += out;
+          out = sum;
         }
       },
       context, rows_at_once);
 }
 
-}  // namespace
-
-Columns multiply(const SparseRows& a, const Columns& x, const Context& context) {
-  // Widths are compile-time constants, so that sums stay in registers and no row allocates memory.
-  Columns y(a.rows(), x.cols());
+/// Does the same for all columns. Widths are compile-time constants, so that sums stay in registers and no row
+/// allocates memory.
+template <Result result>
+void multiply_all_columns(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
   Eigen::Index first = 0;
   while (const Eigen::Index left = x.cols() - first) {
     if (left == 3) {
-      multiply_columns<3>(a, x, first, y, context);
+      multiply_columns<3, result>(a, x, first, y, context);
       first += 3;
     } else if (left >= 8) {
-      multiply_columns<8>(a, x, first, y, context);
+      multiply_columns<8, result>(a, x, first, y, context);
       first += 8;
     } else if (left >= 4) {
-      multiply_columns<4>(a, x, first, y, context);
+      multiply_columns<4, result>(a, x, first, y, context);
       first += 4;
     } else {
-      multiply_columns<1>(a, x, first, y, context);
+      multiply_columns<1, result>(a, x, first, y, context);
       first += 1;
     }
   }
+}
+
+}  // namespace
+
+Columns multiply(const SparseRows& a, const Columns& x, const Context& context) {
+  Columns y;
+  multiply(a, x, y, context);
   return y;
+}
+
+void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
+  y.resize(a.rows(), x.cols());
+  multiply_all_columns<Result::set>(a, x, y, context);
+}
+
+void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
+  multiply_all_columns<Result::add>(a, x, y, context);
 }
 
 SparseRows stack(const SparseRows& top, const SparseRows& bottom, const Context& context) {

@@ -20,6 +20,12 @@ SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& con
 /// Computes a·x for a block of columns, in parallel.
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
 
+/// Computes y = a·x in the memory of y.
+void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& context);
+
+/// Computes y ← y + a·x.
+void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context);
+
 /// Sets a matrix to another one without a copy. Eigen 3.4 has no move assignment.
 inline void take_over(SparseRows& to, SparseRows from) { to.swap(from); }
 

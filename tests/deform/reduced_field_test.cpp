@@ -52,9 +52,8 @@ struct ReducedScene {
     const auto functions = static_cast<Eigen::Index>(field.function_count());
     const ConstrainedSystem::Known none = system.no_values(functions);
     for (int axis = 0; axis < 3; ++axis) {
-      MapField at_axis{Columns::Zero(3 * patch_size(), functions), {}};
-      for (Index v = 0; v < patch_size(); ++v) at_axis.smoothness.row(3 * v + axis) = field.weights().row(v);
-      at_axis.stretch = at_axis.smoothness;
+      MapField at_axis{Columns::Zero(3 * patch_size(), functions)};
+      for (Index v = 0; v < patch_size(); ++v) at_axis.maps.row(3 * v + axis) = field.weights().row(v);
       const Columns y = system.respond(none, at_axis, coupling, {});
       field.set_maps(8 * handles() + static_cast<std::size_t>(axis), 3,
                      field.cell_means(system.maps(y, none, {}), 3));
@@ -62,11 +61,10 @@ struct ReducedScene {
     const auto of_twists = static_cast<Eigen::Index>(field.twist_function_count());
     const ConstrainedSystem::Known no_twists = system.no_values(of_twists);
     for (int m = 0; m < 3 && field.has_limbs(); ++m) {
-      MapField strain{Columns::Zero(3 * patch_size(), of_twists), {}};
+      MapField strain{Columns::Zero(3 * patch_size(), of_twists)};
       for (Index v = 0; v < patch_size(); ++v)
-        strain.smoothness.middleRows<3>(3 * v) =
+        strain.maps.middleRows<3>(3 * v) =
             field.limbs().at(v).moment[m] * field.limbs().at(v).direction * field.twist_weights().row(v);
-      strain.stretch = strain.smoothness;
       const Columns y = system.respond(no_twists, strain, coupling, {});
       field.set_maps(8 * handles() + static_cast<std::size_t>(3 * functions + m), 3,
                      field.cell_means(system.maps(y, no_twists, {}), 3));
@@ -120,7 +118,7 @@ struct ReducedScene {
     Columns sum = Columns::Zero(patch_size(), 1);
     for (std::size_t h = 0; h < handles(); ++h) {
       const MapField sides = field.handle_sides(first + h).field;
-      const Columns& maps = first == 0 ? sides.smoothness : sides.stretch;
+      const Columns& maps = sides.maps;
       for (Index v = 0; v < patch_size(); ++v) {
         const auto block = maps.middleRows<3>(3 * v);
         EXPECT_TRUE((block - block(0, 0) * Columns::Identity(3, 4)).isZero(0));
@@ -282,7 +280,7 @@ TEST(ReducedField, AtItsCentresIsTheBlendOfTheFullField) {
       const RotationField::Result full = scene.full.rotations->find(scene.full.constraints(poses), {});
       EXPECT_EQ(found.iterations, 0);
       for (std::size_t k = 0; k < scene.field.centre_count(); ++k) {
-        const Columns& maps = full.problem.field.smoothness;
+        const Columns& maps = full.problem.field.maps;
         const Matrix3d expected =
             maps.middleRows<3>(3 * scene.vertex_of_centre(k)).transpose() + Matrix3d::Identity();
         // The strain of twists is fitted.
@@ -303,7 +301,7 @@ TEST(ReducedField, WithACentreAndACellPerVertexStepsAsTheFullFieldDoes) {
     EXPECT_EQ(found.iterations, full.iterations);
     EXPECT_NEAR(found.change, full.change, 1e-6);
     for (std::size_t k = 0; k < scene.field.centre_count(); ++k) {
-      const Columns& maps = full.problem.field.smoothness;
+      const Columns& maps = full.problem.field.maps;
       const Matrix3d expected =
           maps.middleRows<3>(3 * scene.vertex_of_centre(k)).transpose() + Matrix3d::Identity();
       EXPECT_LT((scene.map_at_centre(found, k) - expected).norm(), 1e-6);

@@ -41,6 +41,11 @@ TEST(Sparse, TimesColumnsIsEigensProduct) {
     for (int columns = 0; columns <= 20; ++columns) {
       const Columns x = Columns::Random(family.a.cols(), columns), expected = family.a * x;
       EXPECT_LE((multiply(family.a, x) - expected).norm(), 1e-12 * expected.norm()) << family.name << columns;
+      const Columns before = Columns::Random(family.a.rows(), columns);
+      Columns sum = before;
+      add_product(family.a, x, sum, {});
+      EXPECT_LE((sum - before - expected).norm(), 1e-12 * (before.norm() + expected.norm()))
+          << family.name << columns;
     }
 }
 

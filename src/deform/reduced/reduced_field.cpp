@@ -312,19 +312,18 @@ ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
   Columnwise sides;
   sides.values = unit_frame_values(*system_, handles_.subspan(handle, 1));
   if (number < handle_count_) {
-    sides.field.smoothness = scaled_identities(given_weights_, handle);
-    sides.field.stretch = sides.field.smoothness;
+    sides.field.maps = scaled_identities(given_weights_, handle);
     return sides;
   }
   // In a linear blend, edges with stiffness use the blended transforms, and E_R alone determines the maps.
-  sides.field.stretch = scaled_identities(blend_weights_, handle);
+  sides.field = {scaled_identities(blend_weights_, handle), false};
   const SurfaceFields& fields = rotations_->fields();
   Index loose = 0;
   for (std::size_t c = 0; c < fields.constrained_components().size(); ++c) {
     if (fields.constrained_components()[c]) continue;
     const Columns fit = fits_[loose++].middleCols<4>(static_cast<Eigen::Index>(4 * handle));
     for (Index v = 0; v < system_->patch().size(); ++v)
-      if (fields.component()[v] == static_cast<Index>(c)) sides.field.stretch.middleRows<3>(3 * v) = fit;
+      if (fields.component()[v] == static_cast<Index>(c)) sides.field.maps.middleRows<3>(3 * v) = fit;
   }
   return sides;
 }

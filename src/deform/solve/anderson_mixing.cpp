@@ -34,8 +34,14 @@ Eigen::VectorXd mixing_weights(const Eigen::MatrixXd& products, const Eigen::Vec
 Columns AndersonMixing::next(const Columns& current, const Columns& step) {
   const double norm = std::sqrt(product_(step, step));
   if (residual_.rows() > 0) {
-    changes_.push_front({current - iterate_, step - residual_});
-    if (changes_.size() > most_changes) changes_.pop_back();
+    Change change;
+    if (changes_.size() == most_changes) {  // the memory of the oldest serves the newest
+      change = std::move(changes_.back());
+      changes_.pop_back();
+    }
+    change.residual = step - residual_;
+    change.sum = current - iterate_ + change.residual;
+    changes_.push_front(std::move(change));
   }
   const double last_norm = std::exchange(residual_norm_, norm);
   iterate_ = current;
@@ -55,7 +61,7 @@ Columns AndersonMixing::next(const Columns& current, const Columns& step) {
   const double size = weights.norm(), most = most_weight(norm, last_norm);
   if (size > most) weights *= most / size;
   Columns mixed = current + step;
-  for (Eigen::Index k = 0; k < count; ++k) mixed -= weights[k] * (changes_[k].iterate + changes_[k].residual);
+  for (Eigen::Index k = 0; k < count; ++k) mixed -= weights[k] * changes_[k].sum;
   return mixed;
 }
 

@@ -25,9 +25,9 @@ class AndersonMixing {
   Columns next(const Columns& current, const Columns& step);
 
  private:
-  /// The change from one iterate to the next, and that of the residual.
+  /// The change from one iterate to the next: of the iterate and its residual together, and of the residual.
   struct Change {
-    Columns iterate, residual;
+    Columns sum, residual;
   };
 
   Product product_;

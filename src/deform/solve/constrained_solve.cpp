@@ -20,6 +20,9 @@ namespace {
 // Position errors relative to the box are about ten times these tolerances (docs/performance.md).
 constexpr double tolerance_with_corrections = 1e-8, tolerance_without_corrections = 1e-6;
 
+/// A change that leaves the errors of a direct solve as small as a solve and its correction do, relative to y.
+constexpr double small_change = 1e-3;
+
 }  // namespace
 
 ConstrainedSystem::Known ConstrainedSystem::known_values(std::span<const VertexConstraint> constraints) const {
@@ -48,8 +51,8 @@ Eigen::Index ConstrainedSystem::row_count() const {
 /// Returns the target of the maps' unknown part in the E_R rows: the field less the known part.
 Columns ConstrainedSystem::wanted_maps(const Columns& known, const MapField& field,
                                        const Context& context) const {
-  if (field.smoothness.rows() == 0) return -known;
-  return fitted_field()(field.smoothness, context) - known;
+  if (field.maps.rows() == 0 || !field.smooth) return -known;
+  return fitted_field()(field.maps, context) - known;
 }
 
 /// Returns the part of the maps minus I that known values give.
@@ -61,8 +64,7 @@ Columns ConstrainedSystem::known_maps(const Known& values, const Context& contex
 ConstrainedSystem::Rows ConstrainedSystem::right_hand_side(const Known& values, const MapField& field,
                                                            const Context& context) const {
   const Columns m = known_maps(values, context);
-  return {laplacian_rows(values, m, field, context),
-          multiply(operators_->rows().P(), wanted_maps(m, field, context), context)};
+  return {laplacian_rows(values, m, field, context), wanted_maps(m, field, context)};
 }
 
 /// Returns the rows of E_L, stiffness and anchors. `m` holds the maps that the known values give.
@@ -76,7 +78,7 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
   if (edge_row_count > 0) {
     auto edge_rows = rows.middleRows(laplacian.rows(), edge_row_count);
     edge_rows = -multiply(stiffness_rows_, values.x, context);
-    if (field.stretch.rows() > 0) add_stretch(field.stretch, edge_rows, context);
+    if (field.maps.rows() > 0) add_stretch(field.maps, edge_rows, context);
   }
   for (std::size_t a = 0; a < anchors_.size(); ++a) {
     const Index v = patch().local(anchors_[a].vertex);
@@ -87,7 +89,7 @@ Columns ConstrainedSystem::laplacian_rows(const Known& values, const Columns& m,
   return rows;
 }
 
-void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows,
+void ConstrainedSystem::add_stretch(const Columns& maps, Eigen::Ref<Columns> edge_rows,
                                     const Context& context) const {
   const Points& points = operators_->rows().nodes().positions;
   parallel_blocks(
@@ -97,7 +99,7 @@ void ConstrainedSystem::add_stretch(const Columns& stretch, Eigen::Ref<Columns> 
           const auto [i, j] = edge_rows_[b].ends;
           const Eigen::RowVector3d d = edge_rows_[b].weight * (points.row(i) - points.row(j));
           edge_rows.row(static_cast<Eigen::Index>(b)) +=
-              d * ((stretch.middleRows<3>(3 * i) + stretch.middleRows<3>(3 * j)) / 2);
+              d * ((maps.middleRows<3>(3 * i) + maps.middleRows<3>(3 * j)) / 2);
         }
       },
       context, 4096);
@@ -114,33 +116,44 @@ void ConstrainedSystem::add_targets(Rows& rows) const {
 }
 
 Columns ConstrainedSystem::apply_transposed(const Rows& rows, const Context& context) const {
-  return multiply(A_L_transposed_, rows.laplacian, context) +
-         multiply(G_transposed_, multiply(operators_->P_transposed(), rows.smoothness, context), context);
+  const Columns smoothness = multiply(operators_->rows().P(), rows.maps, context);
+  Columns side = multiply(A_L_transposed_, rows.laplacian, context);
+  add_product(G_transposed_, multiply(operators_->P_transposed(), smoothness, context), side, context);
+  return side;
 }
 
 ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const Columns& y,
                                                          const Context& context) const {
-  return {rhs.laplacian - multiply(A_L_, y, context),
-          rhs.smoothness - multiply(operators_->rows().P(), multiply(G_, y, context), context)};
+  return {rhs.laplacian - multiply(A_L_, y, context), rhs.maps - multiply(G_, y, context)};
 }
 
 /// Computes y = (AᵀA)⁻¹ Aᵀ b, then corrects y with the residual of the rectangular system. The solve and its
-/// corrections together have to reach the tolerance, so an iterative solver gets a looser one for each.
+/// corrections together have to reach the tolerance, so an iterative solver gets a looser one for each. A guess
+/// serves a direct solver in place of the solve if the first correction changes it little.
 Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const {
   const double tolerance = steps.corrections > 0 ? tolerance_with_corrections : tolerance_without_corrections;
   SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
   const auto back_substitute = [&](const Rows& rows) {
     return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), options, context));
   };
-  Eigen::MatrixXd guess;
-  if (steps.guess != nullptr && steps.guess->rows() == E_.cols()) {
-    guess = *steps.guess;
-    options.guess = &guess;
+  const bool is_guessed = steps.guess != nullptr && steps.guess->rows() == E_.cols();
+  const bool is_direct = solver_->statistics().backend != SolverBackend::iterative;
+  int corrections = steps.corrections;
+  Columns y;
+  if (is_guessed && is_direct) {
+    const Columns change = back_substitute(residual_rows(rhs, *steps.guess, context));
+    y = *steps.guess + change;
+    if (change.norm() <= small_change * y.norm()) --corrections;
+  } else {
+    Eigen::MatrixXd guess;
+    if (is_guessed) {
+      guess = *steps.guess;
+      options.guess = &guess;
+    }
+    y = back_substitute(rhs);
+    options.guess = nullptr;
   }
-  Columns y = back_substitute(rhs);
-  options.guess = nullptr;
-  for (int correction = 0; correction < steps.corrections; ++correction)
-    y += back_substitute(residual_rows(rhs, y, context));
+  for (; corrections > 0; --corrections) y += back_substitute(residual_rows(rhs, y, context));
   impose_similarities(y);
   return y;
 }
@@ -155,20 +168,25 @@ Columns ConstrainedSystem::solve(const Known& values, const MapField& field, con
 ConstrainedSystem::KnownParts ConstrainedSystem::known_parts(const Known& values,
                                                              const Context& context) const {
   KnownParts known{known_maps(values, context), {}};
-  Rows rows{laplacian_rows(values, known.maps, {}, context),
-            multiply(operators_->rows().P(), Columns(-known.maps), context)};
+  Rows rows{laplacian_rows(values, known.maps, {}, context), -known.maps};
   add_targets(rows);
   known.side = apply_transposed(rows, context);
   return known;
 }
 
 Columns ConstrainedSystem::solve(const KnownParts& known, const MapField& field, const Columns* guess,
-                                 double tolerance, const Context& context) const {
-  Rows rows{Columns::Zero(A_L_.rows(), 3),
-            multiply(operators_->rows().P(), fitted_field()(field.smoothness, context), context)};
+                                 double tolerance, SolveMemory& memory, const Context& context) const {
+  auto& [at_maps, laplacian, smoothness, sum] = memory;
+  fitted_field()(field.maps, at_maps, context);
+  multiply(operators_->rows().P(), at_maps, smoothness, context);
+  multiply(operators_->P_transposed(), smoothness, at_maps, context);
+  laplacian.setZero(A_L_.rows(), 3);
   const auto edge_row_count = static_cast<Eigen::Index>(edge_rows_.size());
-  add_stretch(field.stretch, rows.laplacian.middleRows(operators_->rows().L().rows(), edge_row_count), context);
-  const Eigen::MatrixXd side = known.side + apply_transposed(rows, context);
+  add_stretch(field.maps, laplacian.middleRows(operators_->rows().L().rows(), edge_row_count), context);
+  sum = known.side;
+  add_product(A_L_transposed_, laplacian, sum, context);
+  add_product(G_transposed_, at_maps, sum, context);
+  const Eigen::MatrixXd side = sum;
   SolveOptions options{.tolerance = std::max(tolerance, tolerance_without_corrections)};
   Eigen::MatrixXd start;
   if (guess != nullptr && guess->rows() == E_.cols()) {
@@ -257,8 +275,10 @@ Columns ConstrainedSystem::maps(const Columns& y, const Known& values, const Con
   return multiply(G_, y, context) + known_maps(values, context);
 }
 
-Columns ConstrainedSystem::maps(const Columns& y, const KnownParts& known, const Context& context) const {
-  return multiply(G_, y, context) + known.maps;
+void ConstrainedSystem::maps(const Columns& y, const KnownParts& known, Columns& maps,
+                             const Context& context) const {
+  maps = known.maps;
+  add_product(G_, y, maps, context);
 }
 
 Columns ConstrainedSystem::displacements(const Columns& y, const Known& values, const Context& context) const {

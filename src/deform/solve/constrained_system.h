@@ -22,8 +22,10 @@ namespace meshgraft {
 /// Maps F_v per vertex of the patch for the right-hand side, minus I: rows 3v … 3v+2 are (F_v − I)ᵀ. A field
 /// without rows stands for I everywhere.
 struct MapField {
-  Columns smoothness;  ///< for E_R, whose rows want M_i − M_j = F̃_i − F̃_j with F̃ of `FittedField`
-  Columns stretch;     ///< for the stiffness: x_i − x_j = ½(F_i + F_j)(p_i − p_j)
+  Columns maps;
+  /// Whether the rows of E_R want M_i − M_j = F̃_i − F̃_j, with F̃ of `FittedField`. Otherwise only those of the
+  /// stiffness know the field: x_i − x_j = ½(F_i + F_j)(p_i − p_j).
+  bool smooth = true;
 };
 
 /// A mesh at rest with all that constrains it, except for the constraints' values.
@@ -66,7 +68,7 @@ class ConstrainedSystem {
   /// How to solve for the unknowns.
   struct SolveSteps {
     int corrections = 0;  ///< number of corrections with the rectangular system's residual after the solve
-    const Columns* guess = nullptr;  ///< unknowns of a similar problem, from which an iterative solver starts
+    const Columns* guess = nullptr;  ///< unknowns of a similar problem, from which the solve starts
   };
   Columns solve(const Known& values, const MapField& field, const SolveSteps& steps,
                 const Context& context) const;
@@ -76,10 +78,14 @@ class ConstrainedSystem {
     Columns side;  ///< their part of the normal equations' right-hand side, with the anchors' targets
   };
   KnownParts known_parts(const Known& values, const Context& context) const;
-  /// Solves with a field that has both parts, without corrections. An iterative solver starts from `guess`
-  /// unless it is null, and ends at a relative error of max(`tolerance`, 1e-6).
+  /// Memory of a solve. A series of solves shares it, because the first use of fresh pages takes time.
+  struct SolveMemory {
+    Columns at_maps, laplacian, smoothness, side;
+  };
+  /// Solves for a smooth field, without corrections. An iterative solver starts from `guess` unless it is null,
+  /// and ends at a relative error of max(`tolerance`, 1e-6).
   Columns solve(const KnownParts& known, const MapField& field, const Columns* guess, double tolerance,
-                const Context& context) const;
+                SolveMemory& memory, const Context& context) const;
   /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any
   /// number of columns. `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
@@ -108,7 +114,7 @@ class ConstrainedSystem {
   Columns feature_rows(std::size_t feature, const Columns& y) const;
   /// Returns the local maps of a solution minus I: rows 3v … 3v+2 are (M_v − I)ᵀ.
   Columns maps(const Columns& y, const Known& values, const Context& context) const;
-  Columns maps(const Columns& y, const KnownParts& known, const Context& context) const;
+  void maps(const Columns& y, const KnownParts& known, Columns& maps, const Context& context) const;
   /// Returns the displacements of all vertices of the patch in a solution (patch units), known ones included.
   Columns displacements(const Columns& y, const Known& values, const Context& context) const;
 
@@ -168,9 +174,11 @@ class ConstrainedSystem {
   void factorise(const DeformerOptions& options, DeformerSummary& summary, const Context& context);
   Index count_degenerate() const;
 
-  /// Right-hand sides or residuals: one block of columns for E_L, stiffness and anchors, one for E_R.
+  /// Right-hand sides or residuals of the rows. Those of E_R are P times their maps, which are a third as many
+  /// numbers.
   struct Rows {
-    Columns laplacian, smoothness;
+    Columns laplacian;  ///< of E_L, stiffness and anchors
+    Columns maps;
   };
   Rows right_hand_side(const Known& values, const MapField& field, const Context& context) const;
   Columns known_maps(const Known& values, const Context& context) const;
@@ -178,7 +186,7 @@ class ConstrainedSystem {
                          const Context& context) const;
   FittedField fitted_field() const { return {operators_->rows(), H(), mask_}; }
   Columns wanted_maps(const Columns& known, const MapField& field, const Context& context) const;
-  void add_stretch(const Columns& stretch, Eigen::Ref<Columns> edge_rows, const Context& context) const;
+  void add_stretch(const Columns& maps, Eigen::Ref<Columns> edge_rows, const Context& context) const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;

@@ -20,14 +20,21 @@ Eigen::Matrix<double, 3, width> FittedField::rows_of(Index vertex, const Columns
   const Rows own = field.middleRows<3>(3 * vertex);
   if (!is_fitted(vertex)) return own;
   Rows sum = Rows::Zero(3, field.cols());
-  visit_stencil(vertex, [&](Index node, const Eigen::Vector3d& half, const Eigen::RowVector3d& offset) {
-    sum += half * (offset * (field.middleRows<3>(3 * node) - own));
+  visit_stencil(vertex, [&](Index node, const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
+    const Eigen::Matrix<double, 1, width> change = offset * (field.middleRows<3>(3 * node) - own);
+    sum += h * change;
   });
-  return own + sum;
+  return own + half_tangential(vertex) * sum;
 }
 
 Columns FittedField::operator()(const Columns& field, const Context& context) const {
-  Columns fitted(field.rows(), field.cols());
+  Columns fitted;
+  (*this)(field, fitted, context);
+  return fitted;
+}
+
+void FittedField::operator()(const Columns& field, Columns& fitted, const Context& context) const {
+  fitted.resize(field.rows(), field.cols());
   parallel_blocks(
       static_cast<std::size_t>(mask_.size()),
       [&](std::size_t begin, std::size_t end) {
@@ -39,7 +46,6 @@ Columns FittedField::operator()(const Columns& field, const Context& context) co
         }
       },
       context, 1024);
-  return fitted;
 }
 
 }  // namespace meshgraft

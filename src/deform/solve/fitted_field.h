@@ -28,11 +28,14 @@ class FittedField {
 
   /// Returns F̃ − I for F − I. Rows 3v … 3v+2 are (F_v − I)ᵀ.
   Columns operator()(const Columns& field, const Context& context) const;
+  /// Writes the same to the memory of `fitted`.
+  void operator()(const Columns& field, Columns& fitted, const Context& context) const;
 
  private:
-  /// Calls `add(node, h/2, d)` for each vertex of the stencil: ½ h of its row in H, and its offset.
+  /// Calls `add(node, h, d)` for each vertex of the stencil: its column in the rows of H, and its offset.
   template <class Add>
   void visit_stencil(Index vertex, const Add& add) const;
+  Eigen::Matrix3d half_tangential(Index vertex) const;
   template <int width>
   Eigen::Matrix<double, 3, width> rows_of(Index vertex, const Columns& field) const;
   bool is_fitted(Index vertex) const;
@@ -48,25 +51,31 @@ template <class Add>
 void FittedField::visit(Index vertex, int axis, const Add& add) const {
   add(vertex, axis, 1.0);
   if (!is_fitted(vertex)) return;
-  visit_stencil(vertex, [&](Index node, const Eigen::Vector3d& half, const Eigen::RowVector3d& offset) {
+  const Eigen::RowVector3d half_along = half_tangential(vertex).row(axis);
+  visit_stencil(vertex, [&](Index node, const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
+    const double half = half_along * h;
     for (int a = 0; a < 3; ++a) {
-      add(node, a, half[axis] * offset[a]);
-      add(vertex, a, -half[axis] * offset[a]);
+      add(node, a, half * offset[a]);
+      add(vertex, a, -half * offset[a]);
     }
   });
 }
 
+/// Returns ½ (I − n nᵀ). Σ_s h_s d_sᵀ = I, so that F̃_i = F_i + ½ Σ_s (F_s − F_i) d_s h_sᵀ. The normal n keeps
+/// its image F_i n: h_s counts without its part along n.
+inline Eigen::Matrix3d FittedField::half_tangential(Index vertex) const {
+  const Eigen::Vector3d n = (points_.row(nodes_.apex[vertex]) - points_.row(vertex)).normalized();
+  return (Eigen::Matrix3d::Identity() - n * n.transpose()) / 2;
+}
+
 template <class Add>
 void FittedField::visit_stencil(Index vertex, const Add& add) const {
-  // Σ_s h_s d_sᵀ = I, so that F̃_i = F_i + ½ Σ_s (F_s − F_i) d_s h_sᵀ. The normal n keeps its image F_i n: h_s
-  // counts without its part along n.
-  const Eigen::Vector3d n = (points_.row(nodes_.apex[vertex]) - points_.row(vertex)).normalized();
   SparseRows::InnerIterator x(H_, 3 * vertex), y(H_, 3 * vertex + 1), z(H_, 3 * vertex + 2);
   for (; x; ++x, ++y, ++z) {
     const auto node = static_cast<Index>(x.col());
     if (node >= mask_.size() || node == vertex) continue;
     const Eigen::Vector3d h(x.value(), y.value(), z.value());
-    add(node, Eigen::Vector3d((h - h.dot(n) * n) / 2), points_.row(node) - points_.row(vertex));
+    add(node, h, points_.row(node) - points_.row(vertex));
   }
 }
 

@@ -85,12 +85,13 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
   Blend blended;
   bool found = blend(constraints, {}, blended, context);
   if (found) {
-    result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+    const Columns none = Columns::Zero(system_.patch().size(), 3);
+    compose(blended, none, result.problem.field, context);
     if (has_features_) {  // their maps are unknown before a first solve
       Columns& y = result.problem.guess;
       y = system_.solve(system_.known_values(constraints), result.problem.field, {}, context);
       found = blend(constraints, system_.feature_maps(y), blended, context);
-      if (found) result.problem.field = compose(blended, Columns::Zero(system_.patch().size(), 3), context);
+      if (found) compose(blended, none, result.problem.field, context);
     }
   }
   if (found && iterations_ > 0) found = local_steps(constraints, settled, blended, result, context);
@@ -273,25 +274,23 @@ MapField RotationField::linear_field(std::span<const VertexConstraint> constrain
     if (const Index v = system_.patch().local(constraint.vertex); v >= 0 && constraint.transform)
       entries.row(v) = constraint.transform->reshaped().transpose();
   entries = fields_.spread(entries, context);
-  MapField field;
-  field.stretch.resize(3 * n, 3);
+  MapField field{Columns(3 * n, 3), false};
   for (Index v = 0; v < n; ++v) {
     const Eigen::Matrix3d map = entries.row(v).transpose().reshaped(3, 3);
-    field.stretch.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
+    field.maps.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
   }
   return field;
 }
 
-MapField RotationField::compose(const Blend& blended, const Columns& deviation, const Context& context) const {
-  MapField field;
-  field.smoothness.resize(deviation.rows() * 3, 3);
+/// Writes the maps of a blend that deviates by the given rotation vectors.
+void RotationField::compose(const Blend& blended, const Columns& deviation, MapField& field,
+                            const Context& context) const {
+  field.maps.resize(deviation.rows() * 3, 3);
   for_each_vertex(static_cast<Index>(blended.rotation.size()), context, [&](Index v) {
     const Eigen::Matrix3d map =
         rotation_exp(deviation.row(v).transpose()) * blended.rotation[v] * blended.stretch[v];
-    field.smoothness.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
+    field.maps.middleRows<3>(3 * v) = (map - Eigen::Matrix3d::Identity()).transpose();
   });
-  field.stretch = field.smoothness;
-  return field;
 }
 
 /// Performs fixed-point steps. Each step solves, takes the rotations of the surface's own maps as deviations
@@ -302,10 +301,12 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
   const ConstrainedSystem::KnownParts known = system_.known_parts(system_.known_values(constraints), context);
   Columns deviation = Columns::Zero(system_.patch().size(), 3);
   AndersonMixing mixing([&](const Columns& a, const Columns& b) { return mean_product(a, b, context); });
+  ConstrainedSystem::SolveMemory memory;
+  Columns maps, raw;
   double change = first_change;
   while (result.iterations < iterations_) {
     Columns& y = result.problem.guess;
-    y = system_.solve(known, result.problem.field, &y, solve_share * change, context);
+    y = system_.solve(known, result.problem.field, &y, solve_share * change, memory, context);
     double turn = 0;
     if (has_features_) {
       const std::vector<Eigen::Vector3d> before = blended.feature_turn;
@@ -313,10 +314,11 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
       for (std::size_t f = 0; f < before.size(); ++f)
         turn = std::max(turn, (blended.feature_turn[f] - before[f]).norm());
     }
-    const Columns raw = surface_deviation(system_.maps(y, known, context), blended, deviation, context);
+    system_.maps(y, known, maps, context);
+    surface_deviation(maps, blended, deviation, raw, context);
     const Columns step = fields_.smooth(raw, deviation, context, smooth_share * change) - deviation;
     deviation = mixing.next(deviation, step);
-    result.problem.field = compose(blended, deviation, context);
+    compose(blended, deviation, result.problem.field, context);
     result.change = std::max(std::sqrt(mean_product(step, step, context)), turn);
     change = std::min(first_change, result.change);
     ++result.iterations;
@@ -326,18 +328,17 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
   return true;
 }
 
-/// Returns rotation vectors that take the blended rotations to those of the maps, each near the current one.
-Columns RotationField::surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
-                                         const Context& context) const {
+/// Writes the rotation vectors that take the blended rotations to those of the maps, each near the current one.
+void RotationField::surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
+                                      Columns& deviation, const Context& context) const {
   const std::vector<Index>& apex = system_.operators()->nodes().apex;
-  Columns deviation(current.rows(), 3);
+  deviation.resize(current.rows(), 3);
   for_each_vertex(static_cast<Index>(current.rows()), context, [&](Index v) {
     const Eigen::Matrix3d map = maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity();
     const Eigen::Vector3d normal = apex[v] < 0 ? Eigen::Vector3d(normals().row(v)) : Eigen::Vector3d::Zero();
     deviation.row(v) =
         surface_turn(map, {blended.rotation[v], blended.stretch[v]}, normal, current.row(v)).transpose();
   });
-  return deviation;
 }
 
 /// Returns the mean of a · b over the area around the fitted vertices. It is summed up in parts of fixed size,

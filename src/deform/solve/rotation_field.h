@@ -59,11 +59,11 @@ class RotationField {
              const Context& context) const;
   std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
-  MapField compose(const Blend& blended, const Columns& deviation, const Context& context) const;
+  void compose(const Blend& blended, const Columns& deviation, MapField& field, const Context& context) const;
   bool local_steps(std::span<const VertexConstraint> constraints, double settled, Blend& blended,
                    Result& result, const Context& context) const;
-  Columns surface_deviation(const Columns& maps, const Blend& blended, const Columns& current,
-                            const Context& context) const;
+  void surface_deviation(const Columns& maps, const Blend& blended, const Columns& current, Columns& deviation,
+                         const Context& context) const;
   double mean_product(const Columns& a, const Columns& b, const Context& context) const;
 
   const ConstrainedSystem& system_;

@@ -1,6 +1,7 @@
 #include "rotations.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
@@ -61,17 +62,24 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
   // the time of a singular value decomposition. It converges in a few steps except near flat maps and
   // reflections, which are left to the decomposition.
   constexpr double flattest = 1e-3;
+  constexpr double large_change = 1e-2;  // squared: scaling helps while changes are larger
+  constexpr double last_change = 1e-14;  // squared: the error is half of it
   constexpr int most_steps = 10;
   Eigen::Matrix3d x = map;
+  double change = std::numeric_limits<double>::infinity();
   for (int step = 0; step < most_steps; ++step) {
     const Eigen::Matrix3d cofactor = cofactors(x);
-    const double determinant = x.col(0).dot(cofactor.col(0)), size = x.norm();
-    if (step == 0 && !(determinant > flattest * size * size * size)) break;
-    const double gamma = std::sqrt(cofactor.norm() / (determinant * size));
-    const Eigen::Matrix3d next = (gamma * x + cofactor / (gamma * determinant)) / 2;
-    const double change = (next - x).norm();
+    const double determinant = x.col(0).dot(cofactor.col(0));
+    double gamma = 1;
+    if (change > large_change) {
+      const double size = x.norm();
+      if (step == 0 && !(determinant > flattest * size * size * size)) break;
+      gamma = std::sqrt(cofactor.norm() / (determinant * size));
+    }
+    const Eigen::Matrix3d next = (gamma / 2) * x + (0.5 / (gamma * determinant)) * cofactor;
+    change = (next - x).squaredNorm();
     x = next;
-    if (change < 1e-8) return x;  // the error is the square of the change
+    if (change < last_change) return x;
   }
   return nearest_rotation_by_svd(map);
 }
