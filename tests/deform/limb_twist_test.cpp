@@ -27,7 +27,7 @@ LimbTwist limbs_of(const test::TestMesh& mesh, const Flags& given) {
   const IntrinsicEdges edges = intrinsic_delaunay_edges(mesh.positions, mesh.triangles);
   const FieldSurface surface{mesh.positions, mesh.triangles, rings, edges, bisection};
   const SurfaceFields fields(surface, given, std::make_shared<BendingMatrix>(surface, Context()));
-  return {surface, fields, given, SolverBackend::automatic, {}};
+  return {surface, fields, GroupWeights(rings, given, fields, {}), SolverBackend::automatic, {}};
 }
 
 /// The same with maps given at both ends.

@@ -1,5 +1,6 @@
 #include "deform/solve/surface_fields.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include "deform/solve/group_weights.h"
 #include "linalg/sparse.h"
 #include "mesh/shapes.h"
 #include "operators/laplacian.h"
@@ -212,6 +214,68 @@ TEST(SurfaceFields, ComponentsWithoutGivenValuesKeepTheirs) {
   const Columns values = scene.values(2), spread = fields.spread(values);
   EXPECT_EQ(spread.bottomRows(n), values.bottomRows(n));
   EXPECT_NE(spread.topRows(n), values.topRows(n));
+}
+
+/// Values that are the same on each group of a scene, and any elsewhere.
+Columns values_of_groups(const FieldScene& scene, const GroupWeights& groups) {
+  Columns values = scene.values(3);
+  std::vector<Index> first(groups.count(), -1);
+  for (Index v = 0; v < scene.mesh.size(); ++v) {
+    if (groups.group()[v] < 0) continue;
+    if (Index& w = first[groups.group()[v]]; w < 0) w = v;
+    values.row(v) = values.row(first[groups.group()[v]]);
+  }
+  return values;
+}
+
+TEST(GroupWeights, GiveTheSpreadOfValuesThatAreTheSameOnEachGroup) {
+  for (const FieldScene& scene : field_scenes()) {
+    SCOPED_TRACE(scene.mesh.name);
+    const SurfaceFields fields = scene.fields();
+    const GroupWeights groups(scene.rings, scene.given, fields, {});
+    ASSERT_EQ(groups.count(), 2);
+    const Columns values = values_of_groups(scene, groups);
+    const auto common = groups.common_values(values);
+    ASSERT_TRUE(common);
+    EXPECT_LE((groups.spread(*common, values, fields, {}) - fields.spread(values)).cwiseAbs().maxCoeff(), 1e-8);
+  }
+}
+
+TEST(GroupWeights, KeepAConstantAndGivenValuesToTheBit) {
+  for (const FieldScene& scene : field_scenes()) {
+    SCOPED_TRACE(scene.mesh.name);
+    const SurfaceFields fields = scene.fields();
+    const GroupWeights groups(scene.rings, scene.given, fields, {});
+    const Columns constant = Columns::Constant(scene.mesh.size(), 3, 0.3);
+    EXPECT_EQ(groups.spread(groups.common_values(constant).value(), constant, fields, {}), constant);
+    const Columns values = values_of_groups(scene, groups);
+    const Columns spread = groups.spread(groups.common_values(values).value(), values, fields, {});
+    for (Index v = 0; v < scene.mesh.size(); ++v)
+      if (scene.given[v]) EXPECT_EQ(spread.row(v), values.row(v));
+  }
+}
+
+TEST(GroupWeights, AreNotUsedWhereValuesDifferWithinAGroup) {
+  const FieldScene scene(test::tube(10, 16));
+  const GroupWeights groups(scene.rings, scene.given, scene.fields(), {});
+  Columns values = values_of_groups(scene, groups);
+  EXPECT_TRUE(groups.common_values(values));
+  const auto last = std::find(scene.given.rbegin(), scene.given.rend(), 1);
+  values(scene.given.rend() - last - 1, 2) += 1e-12;
+  EXPECT_FALSE(groups.common_values(values));
+}
+
+TEST(GroupWeights, AreNotUsedWhereNothingIsGivenOrManyGroupsShareColumns) {
+  FieldScene scene(test::tube(10, 16));
+  const Columns values = Columns::Zero(scene.mesh.size(), 3);
+  scene.given.assign(scene.given.size(), 0);
+  EXPECT_FALSE(GroupWeights(scene.rings, scene.given, scene.fields(), {}).common_values(values));
+  FieldScene dotted(test::bumpy_sphere(4));
+  dotted.given.assign(dotted.given.size(), 0);
+  for (std::size_t v = 0; v < dotted.given.size(); v += 40) dotted.given[v] = 1;
+  const GroupWeights many(dotted.rings, dotted.given, dotted.fields(), {});
+  ASSERT_GT(many.count(), 16);
+  EXPECT_FALSE(many.common_values(Columns::Zero(dotted.mesh.size(), 3)));
 }
 
 }  // namespace

@@ -33,35 +33,11 @@ double strain_share(bool is_on_disc, double slope) {
   return fading * excess / (1 + excess);
 }
 
-/// Returns one column of ones and zeros for each connected group of flagged vertices. Beyond a fixed number of
-/// columns, groups share them with either sign, so that neighbours still differ.
-Columns group_indicators(const IndexLists& rings, std::span<const std::uint8_t> given) {
-  std::vector<Index> group(rings.size(), -1), queue;
-  Index count = 0;
-  for (Index start = 0; start < rings.size(); ++start) {
-    if (!given[start] || group[start] >= 0 || rings[start].empty()) continue;
-    group[start] = count;
-    queue.assign(1, start);
-    while (!queue.empty()) {
-      const Index v = queue.back();
-      queue.pop_back();
-      for (const Index w : rings[v])
-        if (given[w] && group[w] < 0) {
-          group[w] = count;
-          queue.push_back(w);
-        }
-    }
-    ++count;
-  }
-  return indicators_of_groups(group, count);
-}
-
 /// Returns for each component whether it has so few groups that it may have discs.
-Flags components_with_discs(const SurfaceFields& fields, const Columns& indicators) {
-  std::vector<std::set<Eigen::Index>> groups(fields.constrained_components().size());
-  for (Eigen::Index v = 0; v < indicators.rows(); ++v)
-    for (Eigen::Index group = 0; group < indicators.cols(); ++group)
-      if (indicators(v, group) != 0) groups[fields.component()[static_cast<std::size_t>(v)]].insert(group);
+Flags components_with_discs(const SurfaceFields& fields, const std::vector<Index>& group) {
+  std::vector<std::set<Index>> groups(fields.constrained_components().size());
+  for (std::size_t v = 0; v < group.size(); ++v)
+    if (group[v] >= 0) groups[fields.component()[v]].insert(group[v]);
   Flags few;
   for (const auto& set : groups) few.push_back(std::ssize(set) <= most_groups_around_discs);
   return few;
@@ -118,33 +94,32 @@ LimbTwist::Faces::Faces(const FieldSurface& surface, const SurfaceFields& fields
   });
 }
 
-LimbTwist::LimbTwist(const FieldSurface& surface, const SurfaceFields& fields,
-                     std::span<const std::uint8_t> given, SolverBackend backend, const Context& context) {
-  const Columns indicators = group_indicators(surface.rings, given);
-  if (indicators.cols() < 2) return;  // all rotations are the same
-  const Faces faces(surface, fields, fields.spread(indicators, context), context);
+LimbTwist::LimbTwist(const FieldSurface& surface, const SurfaceFields& fields, const GroupWeights& groups,
+                     SolverBackend backend, const Context& context) {
+  if (groups.count() < 2) return;  // all rotations are the same
+  const Faces faces(surface, fields, groups.weights(), context);
   context.throw_if_stopped();
-  find_axes(surface, fields, given, indicators, faces, backend, context);
+  find_axes(surface, fields, groups.group(), faces, backend, context);
   if (moments_.isZero(0)) {
     *this = {};
     return;
   }
   context.throw_if_stopped();
-  find_derivatives(surface, given, faces, context);
+  find_derivatives(surface, groups.group(), faces, context);
 }
 
 /// Finds the centre line and the axis at each vertex as means along level lines of the weights. The mean of a
 /// field is the solution of M f̄ + Λ K f̄ = M f, where K measures slopes across t only.
 void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fields,
-                          std::span<const std::uint8_t> given, const Columns& indicators, const Faces& faces,
-                          SolverBackend backend, const Context& context) {
+                          const std::vector<Index>& group, const Faces& faces, SolverBackend backend,
+                          const Context& context) {
   const std::vector<double>& areas = fields.areas();
   const std::vector<Index>& component = fields.component();
   std::vector<double> free_areas(fields.constrained_components().size(), 0.0);
   for (Index v = 0; v < surface.rings.size(); ++v) {
     if (surface.rings[v].empty()) continue;
     vertices_.push_back(v);
-    free_areas[component[v]] += given[v] ? 0 : areas[v];
+    free_areas[component[v]] += group[v] >= 0 ? 0 : areas[v];
   }
   SparseRows matrix = ring_matrix(surface.rings);
   Columns tensors = Columns::Zero(surface.points.rows(), 6);
@@ -182,12 +157,12 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   });
   const Eigen::MatrixXd means = means_->solve(loads, context);
 
-  const Flags may_have_discs = components_with_discs(fields, indicators);
+  const Flags may_have_discs = components_with_discs(fields, group);
   axes_ = moments_ = rates_along_ = Points::Zero(surface.points.rows(), 3);
   for_each(means.rows(), context, [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
     const Index v = vertices_[k];
-    if (given[v]) return;
+    if (group[v] >= 0) return;
     const LimbPoint limb =
         limb_at(surface.points.row(v), directions_.row(v), means.row(row), may_have_discs[component[v]] != 0);
     axes_.row(v) = limb.axis.transpose();
@@ -197,13 +172,13 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
 }
 
 /// Finds the triangles' derivatives along t, summed by area at the vertices without a given map.
-void LimbTwist::find_derivatives(const FieldSurface& surface, std::span<const std::uint8_t> given,
+void LimbTwist::find_derivatives(const FieldSurface& surface, const std::vector<Index>& group,
                                  const Faces& faces, const Context& context) {
   take_over(derivatives_, ring_matrix(surface.rings));
   Columns tensors = Columns::Zero(surface.points.rows(), 6);
   for_each(surface.points.rows(), context, [&](std::size_t row) {
     const auto v = static_cast<Index>(row);
-    if (given[v]) return;
+    if (group[v] >= 0) return;
     const Eigen::Vector3d direction = directions_.row(v).transpose();
     for (const Index t : faces.at[v]) {
       tensors.row(v) += faces.areas[t] * to_tensor(direction * direction.transpose());

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
 #include <meshgraft/mesh/mesh.h>
 
+#include "group_weights.h"
 #include "linalg/sparse.h"
 #include "surface_fields.h"
 
@@ -42,8 +41,8 @@ inline bool is_on_disc(const LimbPoint& at) { return at.direction != at.axis; }
 class LimbTwist {
  public:
   LimbTwist() = default;
-  /// `given` flags the vertices with a given map, which `fields` must have been built with.
-  LimbTwist(const FieldSurface& surface, const SurfaceFields& fields, std::span<const std::uint8_t> given,
+  /// `groups` are those of vertices with a given map. `fields` must have been built with these vertices.
+  LimbTwist(const FieldSurface& surface, const SurfaceFields& fields, const GroupWeights& groups,
             SolverBackend backend, const Context& context);
 
   /// Returns whether no vertex is on a limb or disc. Other functions must then not be called.
@@ -58,9 +57,9 @@ class LimbTwist {
 
  private:
   struct Faces;
-  void find_axes(const FieldSurface& surface, const SurfaceFields& fields, std::span<const std::uint8_t> given,
-                 const Columns& indicators, const Faces& faces, SolverBackend backend, const Context& context);
-  void find_derivatives(const FieldSurface& surface, std::span<const std::uint8_t> given, const Faces& faces,
+  void find_axes(const FieldSurface& surface, const SurfaceFields& fields, const std::vector<Index>& group,
+                 const Faces& faces, SolverBackend backend, const Context& context);
+  void find_derivatives(const FieldSurface& surface, const std::vector<Index>& group, const Faces& faces,
                         const Context& context);
 
   Points axes_, moments_, rates_along_;        ///< the parts of `LimbPoint`

@@ -68,7 +68,9 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
           {.smoothing_length_rel = iterations_ > 0 ? std::optional(options.smoothing_length_rel) : std::nullopt,
            .backend = options.backend},
           context),
-      limbs_(field_surface(system), fields_, known_maps(system.mask()), options.backend, context) {
+      groups_(system.rings(), known_maps(system.mask()), fields_, context),
+      limbs_(field_surface(system), fields_, groups_, options.backend, context) {
+  keep_few_groups(context);
   if (other != nullptr) {
     normals_ = other->normals_;
     return;
@@ -76,6 +78,15 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
   const Patch& patch = system.patch();
   const IndexLists faces_at = vertex_triangles(patch.size(), patch.triangles, context);
   normals_ = std::make_shared<const Points>(vertex_normals(patch.points, patch.triangles, faces_at, context));
+}
+
+/// Drops the weights of many groups, which take more memory than their gain of time is worth.
+void RotationField::keep_few_groups(const Context& context) {
+  constexpr Index most_groups = 6;
+  if (groups_.count() > most_groups)
+    groups_ = {};
+  else if (!limbs_.empty())
+    slopes_of_groups_ = limbs_.slopes(groups_.weights(), context);
 }
 
 RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints, const Context& context,
@@ -161,11 +172,15 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
   for (Index v = 0; v < n; ++v)
     if (const Index c = fields_.component()[v]; c >= 0 && !fields_.constrained_components()[c])
       logs.row(v) = fit_logs[c];
-  logs = fields_.spread(logs, context);
+  const std::optional<Columns> of_groups = groups_.common_values(logs);
+  logs = of_groups ? groups_.spread(*of_groups, logs, fields_, context) : fields_.spread(logs, context);
+  Columns slopes;
+  if (!limbs_.empty())
+    slopes = of_groups ? Columns(slopes_of_groups_ * of_groups->leftCols<3>())
+                       : limbs_.slopes(logs.leftCols<3>(), context);
 
   blended.rotation.resize(n);
   blended.stretch.resize(n);
-  const Columns slopes = limbs_.empty() ? Columns() : limbs_.slopes(logs.leftCols<3>(), context);
   for_each_vertex(n, context, [&](Index v) {
     const Logarithm log = logs.row(v);
     const Eigen::Vector3d turn = log.head<3>().transpose();

@@ -8,6 +8,7 @@
 
 #include "constrained_system.h"
 #include "corotation.h"
+#include "group_weights.h"
 #include "limb_twist.h"
 #include "linalg/sparse.h"
 #include "surface_fields.h"
@@ -41,6 +42,7 @@ class RotationField {
   int iterations() const { return iterations_; }  ///< Returns the largest number of co-rotational iterations.
 
  private:
+  void keep_few_groups(const Context& context);
   static std::shared_ptr<const BendingMatrix> bending_matrix(const ConstrainedSystem& system,
                                                              const RotationField* other,
                                                              const Context& context);
@@ -71,7 +73,9 @@ class RotationField {
   int iterations_ = 0;
   bool serves_parts_ = false;  ///< whether the bending matrix is right for parts of the patch, too
   SurfaceFields fields_;
+  GroupWeights groups_;  ///< of known maps; empty if there are many
   LimbTwist limbs_;
+  Columns slopes_of_groups_;               ///< `limbs_.slopes` of their weights
   std::shared_ptr<const Points> normals_;  ///< of the patch at rest
 };
 

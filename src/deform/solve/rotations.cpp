@@ -31,6 +31,8 @@ Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& vector) {
 
 Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3d& other) {
   constexpr double circle = 2 * std::numbers::pi;
+  // Without a half turn between the two, which is usual, the vector itself is the nearest.
+  if (vector.squaredNorm() + other.squaredNorm() < 0.5 * std::numbers::pi * std::numbers::pi) return vector;
   const double angle = vector.norm();
   // The axis of a full turn is arbitrary.
   const Eigen::Vector3d axis =
