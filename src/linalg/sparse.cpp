@@ -16,10 +16,10 @@ namespace {
 
 enum class Result { set, add };
 
-/// Computes columns [first, first + width) of y = a·x or y ← y + a·x.
+/// Computes columns [first, first + width) of y = a·x or y ← y + a·x, from those `skipped` further on in x.
 template <int width, Result result>
-void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Columns& y,
-                      const Context& context) {
+void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Eigen::Index first,
+                      Columns& y, const Context& context) {
   using Row = Eigen::Matrix<double, 1, width>;
   constexpr Eigen::Index entries_at_once = 32'768;
   const std::size_t rows_at_once =
@@ -31,7 +31,7 @@ void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first,
           auto out = y.row(row).template segment<width>(first);
           Row sum = Row::Zero();
           for (SparseRows::InnerIterator it(a, row); it; ++it)
-            sum += it.value() * x.row(it.col()).template segment<width>(first);
+            sum += it.value() * x.row(it.col()).template segment<width>(skipped + first);
           if constexpr (result == Result::add) sum += out;
           out = sum;
         }
@@ -42,20 +42,21 @@ void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first,
 /// Does the same for all columns. Widths are compile-time constants, so that sums stay in registers and no row
 /// allocates memory.
 template <Result result>
-void multiply_all_columns(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
+void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Columns& y,
+                          const Context& context) {
   Eigen::Index first = 0;
-  while (const Eigen::Index left = x.cols() - first) {
+  while (const Eigen::Index left = y.cols() - first) {
     if (left == 3) {
-      multiply_columns<3, result>(a, x, first, y, context);
+      multiply_columns<3, result>(a, x, skipped, first, y, context);
       first += 3;
     } else if (left >= 8) {
-      multiply_columns<8, result>(a, x, first, y, context);
+      multiply_columns<8, result>(a, x, skipped, first, y, context);
       first += 8;
     } else if (left >= 4) {
-      multiply_columns<4, result>(a, x, first, y, context);
+      multiply_columns<4, result>(a, x, skipped, first, y, context);
       first += 4;
     } else {
-      multiply_columns<1, result>(a, x, first, y, context);
+      multiply_columns<1, result>(a, x, skipped, first, y, context);
       first += 1;
     }
   }
@@ -70,12 +71,17 @@ Columns multiply(const SparseRows& a, const Columns& x, const Context& context) 
 }
 
 void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
-  y.resize(a.rows(), x.cols());
-  multiply_all_columns<Result::set>(a, x, y, context);
+  multiply(a, x, 0, x.cols(), y, context);
+}
+
+void multiply(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
+              const Context& context) {
+  y.resize(a.rows(), count);
+  multiply_all_columns<Result::set>(a, x, first, y, context);
 }
 
 void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
-  multiply_all_columns<Result::add>(a, x, y, context);
+  multiply_all_columns<Result::add>(a, x, 0, y, context);
 }
 
 SparseRows stack(const SparseRows& top, const SparseRows& bottom, const Context& context) {

@@ -23,6 +23,10 @@ Columns multiply(const SparseRows& a, const Columns& x, const Context& context =
 /// Computes y = a·x in the memory of y.
 void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& context);
 
+/// Computes y = a·x for columns first … first + count of x, in the memory of y.
+void multiply(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
+              const Context& context);
+
 /// Computes y ← y + a·x.
 void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context);
 

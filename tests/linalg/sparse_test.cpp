@@ -49,6 +49,17 @@ TEST(Sparse, TimesColumnsIsEigensProduct) {
     }
 }
 
+TEST(Sparse, TimesSomeColumnsIsThatPartOfTheProduct) {
+  for (const SparsePair& family : sparse_families()) {
+    const Columns x = Columns::Random(family.a.cols(), 23), all = multiply(family.a, x);
+    Columns part;
+    for (const auto& [first, count] : {std::pair{0, 23}, {3, 16}, {22, 1}, {5, 0}}) {
+      multiply(family.a, x, first, count, part, {});
+      EXPECT_TRUE(same_bytes(part, Columns(all.middleCols(first, count)))) << family.name << first;
+    }
+  }
+}
+
 TEST(Sparse, TimesColumnsHasTheSameBytesForAnyNumberOfThreads) {
   for (const SparsePair& family : sparse_families()) {
     const Columns x = Columns::Random(family.a.cols(), 13), one = multiply(family.a, x, with_threads(1));

@@ -111,6 +111,14 @@ class LinearSolver {
   virtual Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
                                 const Context& context = {}) const = 0;
 
+  /// Right-hand sides or solutions (unknowns×k), stored row by row.
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  /// Replaces right-hand sides by their solutions. Direct methods then need no second block of that size.
+  virtual void solve_in_place(Rows& x, const SolveOptions& options = {}, const Context& context = {}) const {
+    x = solve(x, options, context);
+  }
+
   virtual SolverStatistics statistics() const = 0;
 };
 

@@ -151,8 +151,7 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   const FieldSurface surface = field_surface(*system_);
   const SurfaceFields around_centres(surface, known, rotations_->fields().bending(),
                                      {.bending_length_rel = {}, .backend = backend}, context);
-  const Columns spread = around_centres.spread(values, context);
-  values = {};  // to free a gigabyte takes long, too
+  const Columns spread = around_centres.spread(std::move(values), context);
   context.throw_if_stopped();
   given_weights_.resize(spread.rows(), given_.cols());
   for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
@@ -268,7 +267,7 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   const auto bending = std::make_shared<const BendingMatrix>(surface, context);
   const SurfaceFields beyond_centres(surface, at_centres, bending,
                                      {.bending_length_rel = {}, .backend = backend}, context);
-  const Columns spread = beyond_centres.spread(values, context), winding = winding_weights();
+  const Columns spread = beyond_centres.spread(std::move(values), context), winding = winding_weights();
   twist_weights_.resize(spread.rows(), spread.cols() + winding.cols());
   for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
     twist_weights_.middleRows(first, count) << spread.middleRows(first, count),

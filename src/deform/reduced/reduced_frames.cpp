@@ -90,43 +90,49 @@ void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const
   const auto functions = static_cast<Eigen::Index>(field->function_count());
   const double all = 3 * static_cast<double>(field->function_count() + field->twist_function_count());
   constexpr Eigen::Index at_once = 32;
-  // Solves for one column per function. `right_hand_sides` are those of some functions, which are its columns
-  // begin … begin + count. The responses are first, first + 3, ….
-  const auto solve_functions = [&](Eigen::Index function_count, Eigen::Index first,
-                                   const auto& right_hand_sides) {
+  Columns y, moves;  // All solves share their memory, because the first use of fresh pages takes time.
+  // Solves for one column per function. `set_sides(begin, count, y)` writes the right-hand sides of some
+  // functions. The responses are first, first + 3, ….
+  const auto solve_functions = [&](Eigen::Index function_count, Eigen::Index first, const auto& set_sides) {
     for (Eigen::Index begin = 0; begin < function_count; begin += at_once) {
       context.step("reduce", static_cast<double>(first / 3 * 3 + first % 3 * function_count + begin) / all);
       const Eigen::Index count = std::min(at_once, function_count - begin);
-      const Columns y = system.back_substitute(right_hand_sides(begin, count), context);
+      set_sides(begin, count, y);
+      system.back_substitute(y, context);
       const auto column = 8 * handles.size() + static_cast<std::size_t>(first + 3 * begin);
-      responses.set(column, 3, multiply(displacements, y, context), context);
+      multiply(displacements, y, moves, context);
+      responses.set(column, 3, moves, context);
       field->set_maps(column, 3, multiply(maps, y, context));
     }
   };
   SparseRows sides[3];  // caused by a number per vertex, for each column of the maps
   for (int axis = 0; axis < 3; ++axis) {
     take_over(sides[axis], system.field_rows(axis, coupling, context));
-    solve_functions(functions, axis, [&](Eigen::Index begin, Eigen::Index count) {
-      return multiply(sides[axis], field->weights().middleCols(begin, count), context);
+    solve_functions(functions, axis, [&](Eigen::Index begin, Eigen::Index count, Columns& of_functions) {
+      multiply(sides[axis], field->weights(), begin, count, of_functions, context);
     });
   }
   if (!field->has_limbs()) return;
   // The strain of twists is b (R W m)ᵀ = Σ_k m_k b (row k of (R W)ᵀ).
   const LimbTwist& limbs = field->limbs();
   const Columns& weights = field->twist_weights();
+  Columns strained;
   for (int m = 0; m < 3; ++m)
-    solve_functions(weights.cols(), 3 * functions + m, [&](Eigen::Index begin, Eigen::Index count) {
-      Columns sum = Columns::Zero(sides[0].rows(), count);
-      for (int axis = 0; axis < 3; ++axis) {
-        Columns strained = weights.middleCols(begin, count);
-        for (Eigen::Index v = 0; v < strained.rows(); ++v) {
-          const LimbPoint at = limbs.at(static_cast<Index>(v));
-          strained.row(v) *= at.moment[m] * at.direction[axis];
-        }
-        sum += multiply(sides[axis], strained, context);
-      }
-      return sum;
-    });
+    solve_functions(
+        weights.cols(), 3 * functions + m, [&](Eigen::Index begin, Eigen::Index count, Columns& sum) {
+          sum.setZero(sides[0].rows(), count);
+          strained.resize(weights.rows(), count);
+          for (int axis = 0; axis < 3; ++axis) {
+            const auto strain = [&](std::size_t from, std::size_t to) {
+              for (auto v = static_cast<Eigen::Index>(from); v < static_cast<Eigen::Index>(to); ++v) {
+                const LimbPoint at = limbs.at(v);
+                strained.row(v) = at.moment[m] * at.direction[axis] * weights.row(v).segment(begin, count);
+              }
+            };
+            parallel_blocks(static_cast<std::size_t>(weights.rows()), strain, context, 4096);
+            add_product(sides[axis], strained, sum, context);
+          }
+        });
 }
 
 /// Adds the displacements that anchors with targets cause while all handles rest.

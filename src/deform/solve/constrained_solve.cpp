@@ -10,6 +10,7 @@
 #include "core/parallel.h"
 #include "deform/facts.h"
 #include "linalg/sparse.h"
+#include "linalg/sparse_products.h"
 #include "operators/local_maps.h"
 #include "rotations.h"
 
@@ -134,13 +135,14 @@ Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const
   const double tolerance = steps.corrections > 0 ? tolerance_with_corrections : tolerance_without_corrections;
   SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
   const auto back_substitute = [&](const Rows& rows) {
-    return Columns(solver_->solve(Eigen::MatrixXd(apply_transposed(rows, context)), options, context));
+    Columns side = apply_transposed(rows, context);
+    solver_->solve_in_place(side, options, context);
+    return side;
   };
   const bool is_guessed = steps.guess != nullptr && steps.guess->rows() == E_.cols();
-  const bool is_direct = solver_->statistics().backend != SolverBackend::iterative;
   int corrections = steps.corrections;
   Columns y;
-  if (is_guessed && is_direct) {
+  if (is_guessed && !is_iterative()) {
     const Columns change = back_substitute(residual_rows(rhs, *steps.guess, context));
     y = *steps.guess + change;
     if (change.norm() <= small_change * y.norm()) --corrections;
@@ -174,28 +176,26 @@ ConstrainedSystem::KnownParts ConstrainedSystem::known_parts(const Known& values
   return known;
 }
 
-Columns ConstrainedSystem::solve(const KnownParts& known, const MapField& field, const Columns* guess,
-                                 double tolerance, SolveMemory& memory, const Context& context) const {
-  auto& [at_maps, laplacian, smoothness, sum] = memory;
+void ConstrainedSystem::solve(const KnownParts& known, const MapField& field, double tolerance, Columns& y,
+                              SolveMemory& memory, const Context& context) const {
+  auto& [at_maps, laplacian, smoothness] = memory;
+  SolveOptions options{.tolerance = std::max(tolerance, tolerance_without_corrections)};
+  Eigen::MatrixXd guess;
+  if (y.rows() > 0 && is_iterative()) {
+    guess = y;
+    options.guess = &guess;
+  }
   fitted_field()(field.maps, at_maps, context);
   multiply(operators_->rows().P(), at_maps, smoothness, context);
   multiply(operators_->P_transposed(), smoothness, at_maps, context);
   laplacian.setZero(A_L_.rows(), 3);
   const auto edge_row_count = static_cast<Eigen::Index>(edge_rows_.size());
   add_stretch(field.maps, laplacian.middleRows(operators_->rows().L().rows(), edge_row_count), context);
-  sum = known.side;
-  add_product(A_L_transposed_, laplacian, sum, context);
-  add_product(G_transposed_, at_maps, sum, context);
-  const Eigen::MatrixXd side = sum;
-  SolveOptions options{.tolerance = std::max(tolerance, tolerance_without_corrections)};
-  Eigen::MatrixXd start;
-  if (guess != nullptr && guess->rows() == E_.cols()) {
-    start = *guess;
-    options.guess = &start;
-  }
-  Columns y = solver_->solve(side, options, context);
+  y = known.side;
+  add_product(A_L_transposed_, laplacian, y, context);
+  add_product(G_transposed_, at_maps, y, context);
+  solver_->solve_in_place(y, options, context);
   impose_similarities(y);
-  return y;
 }
 
 Columns ConstrainedSystem::respond(const Known& values, const MapField& field, int corrections,
@@ -208,11 +208,8 @@ Columns ConstrainedSystem::respond(const Known& values, const MapField& field, c
   const Columns m = known_maps(values, context);
   Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
   rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field, context), context), context);
-  const Eigen::MatrixXd sides = rhs;
-  context.throw_if_stopped();
-  const Eigen::MatrixXd solution = solver_->solve(sides, context);
-  context.throw_if_stopped();
-  return solution;
+  back_substitute(rhs, context);
+  return rhs;
 }
 
 SparseRows ConstrainedSystem::coupling(const Context& context) const {
@@ -220,37 +217,36 @@ SparseRows ConstrainedSystem::coupling(const Context& context) const {
 }
 
 SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, const Context& context) const {
-  const Index n = patch().size();
-  SparseRows along(3 * n, n);
-  std::vector<Eigen::Triplet<double>> of_maps, of_edge_rows;
-  const FittedField fitted = fitted_field();
-  for (Index v = 0; v < n; ++v)
-    for (int k = 0; k < 3; ++k)
-      fitted.visit(v, k, [&](Index of, int a, double weight) {
-        if (a == axis) of_maps.emplace_back(3 * v + k, of, weight);
-      });
-  along.setFromTriplets(of_maps.begin(), of_maps.end());
-  const SparseRows smoothness = multiply(G_transposed_, multiply(coupling, along, context), context);
-  if (edge_rows_.empty()) return smoothness;
-  const Points& points = operators_->rows().nodes().positions;
-  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
-    const auto [i, j] = edge_rows_[b].ends;
-    const double half = edge_rows_[b].weight * (points(i, axis) - points(j, axis)) / 2;
-    of_edge_rows.emplace_back(static_cast<int>(b), i, half);
-    of_edge_rows.emplace_back(static_cast<int>(b), j, half);
-  }
-  SparseRows stretch(static_cast<Eigen::Index>(edge_rows_.size()), n);
-  stretch.setFromTriplets(of_edge_rows.begin(), of_edge_rows.end());
+  const SparseRows smoothness = multiply(coupling, fitted_field().along(axis, context), context);
+  if (edge_rows_.empty()) return multiply(G_transposed_, smoothness, context);
   const SparseRows edge_rows_transposed = transpose(multiply(stiffness_rows_, E_, context), context);
-  return smoothness + multiply(edge_rows_transposed, stretch, context);
+  return difference_of_products({G_transposed_, smoothness}, {edge_rows_transposed, minus_stretch(axis)},
+                                context);
 }
 
-Columns ConstrainedSystem::back_substitute(const Columns& rhs, const Context& context) const {
-  const Eigen::MatrixXd sides = rhs;
+/// Returns minus the targets of the stiffness rows in terms of a number φ per vertex, where F − I = φ e_axis
+/// eᵀ.
+SparseRows ConstrainedSystem::minus_stretch(int axis) const {
+  const Points& points = operators_->rows().nodes().positions;
+  SparseRows rows = rows_of_lengths(std::vector<int>(edge_rows_.size(), 2), patch().size());
+  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
+    const auto [i, j] = edge_rows_[b].ends;
+    const double half = edge_rows_[b].weight * (points(j, axis) - points(i, axis)) / 2;
+    rows.innerIndexPtr()[2 * b] = std::min(i, j);
+    rows.innerIndexPtr()[2 * b + 1] = std::max(i, j);
+    rows.valuePtr()[2 * b] = rows.valuePtr()[2 * b + 1] = half;
+  }
+  return rows;
+}
+
+void ConstrainedSystem::back_substitute(Columns& sides, const Context& context) const {
   context.throw_if_stopped();
-  const Eigen::MatrixXd solution = solver_->solve(sides, context);
+  solver_->solve_in_place(sides, {}, context);
   context.throw_if_stopped();
-  return solution;
+}
+
+bool ConstrainedSystem::is_iterative() const {
+  return solver_->statistics().backend == SolverBackend::iterative;
 }
 
 SparseRows ConstrainedSystem::displacement_rows() const {

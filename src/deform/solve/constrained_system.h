@@ -80,12 +80,12 @@ class ConstrainedSystem {
   KnownParts known_parts(const Known& values, const Context& context) const;
   /// Memory of a solve. A series of solves shares it, because the first use of fresh pages takes time.
   struct SolveMemory {
-    Columns at_maps, laplacian, smoothness, side;
+    Columns at_maps, laplacian, smoothness;
   };
-  /// Solves for a smooth field, without corrections. An iterative solver starts from `guess` unless it is null,
-  /// and ends at a relative error of max(`tolerance`, 1e-6).
-  Columns solve(const KnownParts& known, const MapField& field, const Columns* guess, double tolerance,
-                SolveMemory& memory, const Context& context) const;
+  /// Solves for a smooth field, without corrections. An iterative solver starts from y unless it is empty, and
+  /// ends at a relative error of max(`tolerance`, 1e-6).
+  void solve(const KnownParts& known, const MapField& field, double tolerance, Columns& y, SolveMemory& memory,
+             const Context& context) const;
   /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any
   /// number of columns. `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
@@ -96,10 +96,10 @@ class ConstrainedSystem {
   SparseRows coupling(const Context& context) const;  ///< Returns PᵀP.
 
   // For many fields at once. Let φ be a number per vertex of the patch, F − I = φ e_axis eᵀ the field, and
-  // all known values zero. Then field_rows(axis) φ is the right-hand side, and back-substitution gives y.
-  // Sparse rows turn y into displacements of the free vertices and local maps.
+  // all known values zero. Then field_rows(axis) φ is the right-hand side, which back-substitution replaces by
+  // y. Sparse rows turn y into displacements of the free vertices and local maps.
   SparseRows field_rows(int axis, const SparseRows& coupling, const Context& context) const;
-  Columns back_substitute(const Columns& rhs, const Context& context) const;
+  void back_substitute(Columns& sides, const Context& context) const;
   SparseRows displacement_rows() const;
   const SparseRows& map_rows() const { return G_; }
   /// Returns whether solutions are linear in values, field and targets. They are if no feature is a
@@ -173,6 +173,7 @@ class ConstrainedSystem {
   void weigh_anchors(const Context& context);
   void factorise(const DeformerOptions& options, DeformerSummary& summary, const Context& context);
   Index count_degenerate() const;
+  bool is_iterative() const;
 
   /// Right-hand sides or residuals of the rows. Those of E_R are P times their maps, which are a third as many
   /// numbers.
@@ -187,6 +188,7 @@ class ConstrainedSystem {
   FittedField fitted_field() const { return {operators_->rows(), H(), mask_}; }
   Columns wanted_maps(const Columns& known, const MapField& field, const Context& context) const;
   void add_stretch(const Columns& maps, Eigen::Ref<Columns> edge_rows, const Context& context) const;
+  SparseRows minus_stretch(int axis) const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;

@@ -1,5 +1,9 @@
 #include "fitted_field.h"
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "core/parallel.h"
 
 namespace meshgraft {
@@ -46,6 +50,53 @@ void FittedField::operator()(const Columns& field, Columns& fitted, const Contex
         }
       },
       context, 1024);
+}
+
+SparseRows FittedField::along(int axis, const Context& context) const {
+  const Index n = mask_.size();
+  const auto for_vertices = [&](const auto& body) {
+    parallel_blocks(
+        static_cast<std::size_t>(n),
+        [&](std::size_t begin, std::size_t end) {
+          for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) body(v);
+        },
+        context, 1024);
+  };
+  std::vector<int> lengths(3 * static_cast<std::size_t>(n), 1);
+  for_vertices([&](Index v) {
+    if (!is_fitted(v)) return;
+    int others = 0;
+    visit_stencil(v, [&](Index, const Eigen::Vector3d&, const Eigen::RowVector3d&) { ++others; });
+    std::fill_n(lengths.begin() + 3 * v, 3, 1 + others);
+  });
+  SparseRows rows = rows_of_lengths(lengths, n);
+  for_vertices([&](Index v) {
+    const int length = lengths[3 * v];
+    int at = rows.outerIndexPtr()[3 * v];
+    const auto set = [&](Index column, const Eigen::Vector3d& weights) {
+      for (int k = 0; k < 3; ++k) {
+        rows.innerIndexPtr()[at + k * length] = column;
+        rows.valuePtr()[at + k * length] = weights[k];
+      }
+      ++at;
+    };
+    Eigen::Vector3d own = Eigen::Vector3d::Unit(axis);
+    if (length == 1) return set(v, own);
+    const Eigen::Matrix3d half = half_tangential(v);
+    const auto weights = [&](const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
+      return Eigen::Vector3d(offset[axis] * (half * h));
+    };
+    visit_stencil(v, [&](Index, const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
+      own -= weights(h, offset);
+    });
+    bool is_own_set = false;
+    visit_stencil(v, [&](Index node, const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
+      if (node > v && !std::exchange(is_own_set, true)) set(v, own);
+      set(node, weights(h, offset));
+    });
+    if (!is_own_set) set(v, own);
+  });
+  return rows;
 }
 
 }  // namespace meshgraft

@@ -22,14 +22,12 @@ class FittedField {
         mask_(mask),
         is_integral_(rows.intrinsic_edges() != nullptr) {}
 
-  /// Calls `add(v, a, weight)` for each entry of row (F̃_i − I)ᵀ e_axis in terms of the rows (F_v − I)ᵀ e_a.
-  template <class Add>
-  void visit(Index vertex, int axis, const Add& add) const;
-
   /// Returns F̃ − I for F − I. Rows 3v … 3v+2 are (F_v − I)ᵀ.
   Columns operator()(const Columns& field, const Context& context) const;
   /// Writes the same to the memory of `fitted`.
   void operator()(const Columns& field, Columns& fitted, const Context& context) const;
+  /// Returns the rows (3n×n) of F̃ − I in terms of a number φ per vertex, where F − I = φ e_axis eᵀ.
+  SparseRows along(int axis, const Context& context) const;
 
  private:
   /// Calls `add(node, h, d)` for each vertex of the stencil: its column in the rows of H, and its offset.
@@ -46,20 +44,6 @@ class FittedField {
   const ConstraintMask& mask_;
   bool is_integral_;
 };
-
-template <class Add>
-void FittedField::visit(Index vertex, int axis, const Add& add) const {
-  add(vertex, axis, 1.0);
-  if (!is_fitted(vertex)) return;
-  const Eigen::RowVector3d half_along = half_tangential(vertex).row(axis);
-  visit_stencil(vertex, [&](Index node, const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
-    const double half = half_along * h;
-    for (int a = 0; a < 3; ++a) {
-      add(node, a, half * offset[a]);
-      add(vertex, a, -half * offset[a]);
-    }
-  });
-}
 
 /// Returns ½ (I − n nᵀ). Σ_s h_s d_sᵀ = I, so that F̃_i = F_i + ½ Σ_s (F_s − F_i) d_s h_sᵀ. The normal n keeps
 /// its image F_i n: h_s counts without its part along n.

@@ -197,22 +197,22 @@ void LimbTwist::find_derivatives(const FieldSurface& surface, const std::vector<
 Columns LimbTwist::slopes(const Columns& fields, const Context& context) const {
   const auto count = static_cast<Eigen::Index>(vertices_.size());
   const Columns derivatives = multiply(derivatives_, fields, context);
-  Eigen::MatrixXd averaged(count, 4 * fields.cols());
+  Columns averaged(count, 4 * fields.cols());
   for_each(count, context, [&](std::size_t k) {
     const Index v = vertices_[k];
     for (Eigen::Index f = 0; f < fields.cols(); ++f)
       averaged.block<1, 4>(static_cast<Eigen::Index>(k), 4 * f) =
           averaged_derivative(at(v), directions_.row(v), derivatives(v, f));
   });
-  const Eigen::MatrixXd means = means_->solve(averaged, context);
+  means_->solve_in_place(averaged, {}, context);
   Columns slopes = Columns::Zero(fields.rows(), fields.cols());
   for_each(count, context, [&](std::size_t k) {
     const Index v = vertices_[k];
     if (!(along_axis_[v] > 0)) return;
     for (Eigen::Index f = 0; f < fields.cols(); ++f)
-      slopes(v, f) =
-          along_direction(at(v), Eigen::RowVector4d(means.block<1, 4>(static_cast<Eigen::Index>(k), 4 * f))) /
-          along_axis_[v];
+      slopes(v, f) = along_direction(
+                         at(v), Eigen::RowVector4d(averaged.block<1, 4>(static_cast<Eigen::Index>(k), 4 * f))) /
+                     along_axis_[v];
   });
   return slopes;
 }

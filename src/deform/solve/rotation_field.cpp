@@ -321,7 +321,7 @@ bool RotationField::local_steps(std::span<const VertexConstraint> constraints, d
   double change = first_change;
   while (result.iterations < iterations_) {
     Columns& y = result.problem.guess;
-    y = system_.solve(known, result.problem.field, &y, solve_share * change, memory, context);
+    system_.solve(known, result.problem.field, solve_share * change, y, memory, context);
     double turn = 0;
     if (has_features_) {
       const std::vector<Eigen::Vector3d> before = blended.feature_turn;

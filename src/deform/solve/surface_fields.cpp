@@ -31,26 +31,21 @@ SparseRows diagonal(const std::vector<double>& values) {
 // Rows that are copied between two checks: with a hundred columns a few megabytes.
 constexpr std::size_t rows_at_once = 4096;
 
-/// Returns -values, by columns.
-Eigen::MatrixXd negated(const Columns& values, const Context& context) {
-  Eigen::MatrixXd result(values.rows(), values.cols());
+/// Calls `body(row)` for all rows.
+template <class Body>
+void for_rows(Eigen::Index rows, const Context& context, const Body& body) {
   parallel_blocks(
-      static_cast<std::size_t>(values.rows()),
+      static_cast<std::size_t>(rows),
       [&](std::size_t begin, std::size_t end) {
-        const auto first = static_cast<Eigen::Index>(begin), count = static_cast<Eigen::Index>(end - begin);
-        result.middleRows(first, count) = -values.middleRows(first, count);
+        for (std::size_t row = begin; row < end; ++row) body(static_cast<Eigen::Index>(row));
       },
       context, rows_at_once);
-  return result;
 }
 
-/// Returns the columns that are not zero in all of the rows.
-std::vector<Eigen::Index> columns_that_vary(const Columns& values, const std::vector<Index>& rows) {
-  std::vector<Eigen::Index> varying;
-  for (Eigen::Index column = 0; column < values.cols(); ++column)
-    if (std::any_of(rows.begin(), rows.end(), [&](Index v) { return values(v, column) != 0; }))
-      varying.push_back(column);
-  return varying;
+/// Calls `body(vertex, k)` for the k-th vertex of a list.
+template <class Body>
+void for_vertices(const std::vector<Index>& vertices, const Context& context, const Body& body) {
+  for_rows(static_cast<Eigen::Index>(vertices.size()), context, [&](Eigen::Index k) { body(vertices[k], k); });
 }
 
 /// Returns a millionth of the mean area of the vertices with a ring.
@@ -218,12 +213,39 @@ std::vector<double> SurfaceFields::free_widths(std::optional<double> bending_len
   return widths;
 }
 
-Columns SurfaceFields::spread(const Columns& values, const Context& context) const {
+Columns SurfaceFields::spread(Columns values, const Context& context) const {
   if (spread_to_.empty()) return values;
   // Solves for differences from the mean of each component's given values, so that a constant stays exactly
   // constant.
-  const Eigen::Index columns = values.cols();
-  Columns means = Columns::Zero(static_cast<Eigen::Index>(constrained_.size()), columns);
+  const Columns means = given_means(values, context);
+  for_vertices(spread_to_, context, [&](Index v, Eigen::Index) { values.row(v) = means.row(component_[v]); });
+  const std::vector<Eigen::Index> varying = columns_that_vary(values, means, context);
+  constexpr std::size_t at_once = 32;  // bounds the memory beside the values
+  Columns differences, sides;
+  for (std::size_t first = 0; first < varying.size(); first += at_once) {
+    const std::span columns = std::span(varying).subspan(first, std::min(at_once, varying.size() - first));
+    const auto width = static_cast<Eigen::Index>(columns.size());
+    differences.resize(values.rows(), width);
+    for_rows(differences.rows(), context, [&](Eigen::Index v) { differences.row(v).setZero(); });
+    for_vertices(given_, context, [&](Index v, Eigen::Index) {
+      for (Eigen::Index c = 0; c < width; ++c)
+        differences(v, c) = values(v, columns[c]) - means(component_[v], columns[c]);
+    });
+    for (int pass = 0; pass < 2; ++pass) {  // the second pass corrects with the residual of the first
+      multiply(spread_rows_, differences, sides, context);
+      spread_solver_->solve_in_place(sides, {.tolerance = std::sqrt(solver_tolerance)}, context);
+      for_vertices(spread_to_, context, [&](Index v, Eigen::Index k) { differences.row(v) -= sides.row(k); });
+    }
+    for_vertices(spread_to_, context, [&](Index v, Eigen::Index) {
+      for (Eigen::Index c = 0; c < width; ++c) values(v, columns[c]) += differences(v, c);
+    });
+  }
+  return values;
+}
+
+/// Returns the mean of each component's given values over the area.
+Columns SurfaceFields::given_means(const Columns& values, const Context& context) const {
+  Columns means = Columns::Zero(static_cast<Eigen::Index>(constrained_.size()), values.cols());
   std::vector<double> areas(constrained_.size(), 0.0);
   SparseChecks check(context, rows_at_once);
   for (const Index v : given_) {
@@ -233,65 +255,39 @@ Columns SurfaceFields::spread(const Columns& values, const Context& context) con
   }
   for (std::size_t c = 0; c < constrained_.size(); ++c)
     if (areas[c] > 0) means.row(static_cast<Eigen::Index>(c)) /= areas[c];
-  Columns differences(values.rows(), columns);
-  const auto for_rows = [&](std::size_t rows, const auto& body) {
-    parallel_blocks(
-        rows,
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t k = begin; k < end; ++k) body(k);
-        },
-        context, rows_at_once);
-  };
-  for_rows(static_cast<std::size_t>(values.rows()),
-           [&](std::size_t v) { differences.row(static_cast<Eigen::Index>(v)).setZero(); });
-  for_rows(given_.size(), [&](std::size_t k) {
-    const Index v = given_[k];
-    differences.row(v) = values.row(v) - means.row(component_[v]);
-  });
-  const std::vector<Eigen::Index> varying = columns_that_vary(differences, given_);
-  Columns solved = differences(Eigen::all, varying);
-  const int passes = varying.empty() ? 0 : 2;
-  for (int pass = 0; pass < passes; ++pass) {  // the second pass corrects with the residual of the first
-    const Eigen::MatrixXd sides = negated(multiply(spread_rows_, solved, context), context);
-    add(spread_solver_->solve(sides, {.tolerance = std::sqrt(solver_tolerance)}, context), spread_to_, solved,
-        context);
+  return means;
+}
+
+/// Returns the columns whose given values differ from the mean of their component.
+std::vector<Eigen::Index> SurfaceFields::columns_that_vary(const Columns& values, const Columns& means,
+                                                           const Context& context) const {
+  Flags varies(values.cols(), 0);
+  SparseChecks check(context, rows_at_once);
+  for (const Index v : given_) {
+    check();
+    for (Eigen::Index c = 0; c < values.cols(); ++c) varies[c] |= values(v, c) != means(component_[v], c);
   }
-  differences(Eigen::all, varying) = solved;
-  context.throw_if_stopped();
-  Columns fields(values.rows(), columns);
-  for_rows(static_cast<std::size_t>(values.rows()), [&](std::size_t v) {
-    const auto row = static_cast<Eigen::Index>(v);
-    fields.row(row) = values.row(row);
-  });
-  for_rows(spread_to_.size(), [&](std::size_t k) {
-    const Index v = spread_to_[k];
-    fields.row(v) = differences.row(v) + means.row(component_[v]);
-  });
-  return fields;
+  std::vector<Eigen::Index> varying;
+  for (Eigen::Index c = 0; c < values.cols(); ++c)
+    if (varies[c]) varying.push_back(c);
+  return varying;
 }
 
 Columns SurfaceFields::smooth(const Columns& values, const Columns& guess, const Context& context,
                               double tolerance) const {
   Columns fields = Columns::Zero(values.rows(), values.cols());
   if (free_.empty()) return fields;
-  Eigen::MatrixXd weighted(static_cast<Eigen::Index>(free_.size()), values.cols());
-  for (std::size_t k = 0; k < free_.size(); ++k)
-    weighted.row(static_cast<Eigen::Index>(k)) = areas_[free_[k]] * values.row(free_[k]);
-  const Eigen::MatrixXd start = guess(free_, Eigen::all);
-  const SolveOptions options{.tolerance = std::max(tolerance, solver_tolerance), .guess = &start};
-  add(smooth_solver_->solve(weighted, options, context), free_, fields, context);
+  Columns weighted(static_cast<Eigen::Index>(free_.size()), values.cols());
+  for_vertices(free_, context, [&](Index v, Eigen::Index k) { weighted.row(k) = areas_[v] * values.row(v); });
+  SolveOptions options{.tolerance = std::max(tolerance, solver_tolerance)};
+  Eigen::MatrixXd start;
+  if (smooth_solver_->statistics().backend == SolverBackend::iterative) {
+    start = guess(free_, Eigen::all);
+    options.guess = &start;
+  }
+  smooth_solver_->solve_in_place(weighted, options, context);
+  for_vertices(free_, context, [&](Index v, Eigen::Index k) { fields.row(v) = weighted.row(k); });
   return fields;
-}
-
-void SurfaceFields::add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields,
-                        const Context& context) {
-  parallel_blocks(
-      vertices.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k)
-          fields.row(vertices[k]) += solution.row(static_cast<Eigen::Index>(k));
-      },
-      context, rows_at_once);
 }
 
 }  // namespace meshgraft

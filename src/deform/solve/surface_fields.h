@@ -63,7 +63,7 @@ class SurfaceFields {
   /// Returns fields (n×k) that equal `values` where they are given and have least ∫ |∇f|² + t² |Δf|² elsewhere
   /// (∫ |Δf|² if t is infinite). They turn smoothly into the given values over t, and are nearly harmonic
   /// beyond. Components without given values keep all of `values`.
-  Columns spread(const Columns& values, const Context& context = {}) const;
+  Columns spread(Columns values, const Context& context = {}) const;
 
   /// Returns fields (n×k) that are 0 where values are given and minimise
   /// ∫ |f − values|² + ℓ² (|∇f|² + s² |Δf|²) elsewhere, with s = 0.04 √(area without given values). An
@@ -85,8 +85,9 @@ class SurfaceFields {
   SparseRows energy_rows(const BendingMatrix& bending, const std::vector<Index>& vertices,
                          std::optional<double> bending_length_rel, const Context& context) const;
   std::vector<double> free_widths(std::optional<double> bending_length_rel, const Context& context) const;
-  static void add(const Eigen::MatrixXd& solution, const std::vector<Index>& vertices, Columns& fields,
-                  const Context& context);
+  Columns given_means(const Columns& values, const Context& context) const;
+  std::vector<Eigen::Index> columns_that_vary(const Columns& values, const Columns& means,
+                                              const Context& context) const;
 
   std::shared_ptr<const BendingMatrix> bending_;
   std::vector<double> areas_;

@@ -208,30 +208,21 @@ void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& con
 }
 
 Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Context& context) const {
-  const SingleThreadedBlas single_threaded(context);
-  constexpr Eigen::Index widest = 32;
-  Eigen::MatrixXd result(rhs.rows(), rhs.cols());
-  for (Eigen::Index begin = 0; begin < rhs.cols(); begin += widest) {
-    const Eigen::Index width = std::min(widest, rhs.cols() - begin);
-    RightHandSides x(rhs.rows(), width);
-    const auto for_each_position = [&](const auto& body) {
-      parallel_blocks(
-          pattern_.order.size(),
-          [&](std::size_t first, std::size_t last) {
-            for (auto p = static_cast<Eigen::Index>(first); p < static_cast<Eigen::Index>(last); ++p)
-              for (Eigen::Index c = 0; c < width; ++c) body(p, c);
-          },
-          context, 16'384);
-    };
-    for_each_position([&](Eigen::Index p, Eigen::Index c) { x(p, c) = rhs(pattern_.order[p], begin + c); });
-    substitute(x, context);
-    for_each_position([&](Eigen::Index p, Eigen::Index c) { result(pattern_.order[p], begin + c) = x(p, c); });
-  }
-  return result;
+  LinearSolver::Rows x = rhs;
+  solve_in_place(x, context);
+  return x;
 }
 
-/// Computes x ← L⁻ᵀ L⁻¹ x, with rows indexed by position.
-void MultifrontalFactor::substitute(RightHandSides& x, const Context& context) const {
+void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& context) const {
+  const SingleThreadedBlas single_threaded(context);
+  constexpr Eigen::Index widest = 32;
+  for (Eigen::Index begin = 0; begin < x.cols(); begin += widest)
+    substitute(x.middleCols(begin, std::min(widest, x.cols() - begin)), context);
+}
+
+/// Computes x ← P L⁻ᵀ L⁻¹ Pᵀ x. A front reads all right-hand sides of an unknown at once, because x is stored
+/// row by row.
+void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Context& context) const {
   const auto width = static_cast<int>(x.cols());
   struct Scratch {
     std::vector<int> rows;
@@ -247,7 +238,7 @@ void MultifrontalFactor::substitute(RightHandSides& x, const Context& context) c
         double* values = fronts[node].get();
         for (int c = 0; c < width; ++c) {
           double* own = values + static_cast<std::int64_t>(c) * f.rows;
-          for (int r = 0; r < f.columns; ++r) own[r] = x(f.first + r, c);
+          for (int r = 0; r < f.columns; ++r) own[r] = x(pattern_.order[f.first + r], c);
           std::fill_n(own + f.columns, f.below(), 0.0);
         }
         std::vector<int>& rows = scratches.local().rows;
@@ -267,7 +258,8 @@ void MultifrontalFactor::substitute(RightHandSides& x, const Context& context) c
         }
         solve_panel(f.panel, f.rows, f.columns, values, width);
         for (int r = 0; r < f.columns; ++r)
-          for (int c = 0; c < width; ++c) x(f.first + r, c) = values[r + static_cast<std::int64_t>(c) * f.rows];
+          for (int c = 0; c < width; ++c)
+            x(pattern_.order[f.first + r], c) = values[r + static_cast<std::int64_t>(c) * f.rows];
       },
       context);
   forest_.visit_down(
@@ -277,10 +269,11 @@ void MultifrontalFactor::substitute(RightHandSides& x, const Context& context) c
         values.resize(static_cast<std::size_t>(f.rows) * width);
         for (int r = 0; r < f.rows; ++r)
           for (int c = 0; c < width; ++c)
-            values[r + static_cast<std::int64_t>(c) * f.rows] = x(f.positions[r], c);
+            values[r + static_cast<std::int64_t>(c) * f.rows] = x(pattern_.order[f.positions[r]], c);
         solve_panel_transposed(f.panel, f.rows, f.columns, values.data(), width);
         for (int r = 0; r < f.columns; ++r)
-          for (int c = 0; c < width; ++c) x(f.first + r, c) = values[r + static_cast<std::int64_t>(c) * f.rows];
+          for (int c = 0; c < width; ++c)
+            x(pattern_.order[f.first + r], c) = values[r + static_cast<std::int64_t>(c) * f.rows];
       },
       context);
 }

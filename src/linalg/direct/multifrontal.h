@@ -26,6 +26,8 @@ class MultifrontalFactor {
 
   /// Returns N⁻¹ times all columns of `rhs`. Safe to call from several threads at once.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const;
+  /// Replaces right-hand sides by their solutions.
+  void solve_in_place(LinearSolver::Rows& x, const Context& context) const;
 
   const SupernodalPattern& pattern() const { return pattern_; }
   std::int64_t peak_bytes() const { return peak_bytes_; }  ///< values and updates of the last factorisation
@@ -38,9 +40,7 @@ class MultifrontalFactor {
   void add_updates(int node, int from, int to, const std::vector<int>& row_at, const Elimination& elimination,
                    double* target, int shift, int stride) const;
   void eliminate(int node, std::vector<int>& row_at, Elimination& elimination, const Context& context) const;
-  /// Positions×columns, row by row: a front then reads all its right-hand sides of a position at once.
-  using RightHandSides = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  void substitute(RightHandSides& x, const Context& context) const;
+  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Context& context) const;
 
   SupernodalPattern pattern_;
   std::vector<int> inverse_permutation_;   ///< per unknown: its position

@@ -42,6 +42,10 @@ class MultifrontalSolver final : public LinearSolver {
     return factor_->solve(rhs, context);
   }
 
+  void solve_in_place(Rows& x, const SolveOptions&, const Context& context) const override {
+    factor_->solve_in_place(x, context);
+  }
+
   SolverStatistics statistics() const override { return statistics_; }
 
  private:
