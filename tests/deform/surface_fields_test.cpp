@@ -237,7 +237,7 @@ TEST(GroupWeights, GiveTheSpreadOfValuesThatAreTheSameOnEachGroup) {
     const Columns values = values_of_groups(scene, groups);
     const auto common = groups.common_values(values);
     ASSERT_TRUE(common);
-    EXPECT_LE((groups.spread(*common, values, fields, {}) - fields.spread(values)).cwiseAbs().maxCoeff(), 1e-8);
+    EXPECT_LE((groups.spread(*common, values, {}) - fields.spread(values)).cwiseAbs().maxCoeff(), 1e-8);
   }
 }
 
@@ -247,9 +247,9 @@ TEST(GroupWeights, KeepAConstantAndGivenValuesToTheBit) {
     const SurfaceFields fields = scene.fields();
     const GroupWeights groups(scene.rings, scene.given, fields, {});
     const Columns constant = Columns::Constant(scene.mesh.size(), 3, 0.3);
-    EXPECT_EQ(groups.spread(groups.common_values(constant).value(), constant, fields, {}), constant);
+    EXPECT_EQ(groups.spread(groups.common_values(constant).value(), constant, {}), constant);
     const Columns values = values_of_groups(scene, groups);
-    const Columns spread = groups.spread(groups.common_values(values).value(), values, fields, {});
+    const Columns spread = groups.spread(groups.common_values(values).value(), values, {});
     for (Index v = 0; v < scene.mesh.size(); ++v)
       if (scene.given[v]) EXPECT_EQ(spread.row(v), values.row(v));
   }

@@ -114,7 +114,7 @@ class LinearSolver {
   /// Right-hand sides or solutions (unknowns×k), stored row by row.
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// Replaces right-hand sides by their solutions. Direct methods then need no second block of that size.
+  /// Replaces right-hand sides by their solutions. `multifrontal` needs no second block of that size then.
   virtual void solve_in_place(Rows& x, const SolveOptions& options = {}, const Context& context = {}) const {
     x = solve(x, options, context);
   }

@@ -21,7 +21,7 @@ namespace {
 // Position errors relative to the box are about ten times these tolerances (docs/performance.md).
 constexpr double tolerance_with_corrections = 1e-8, tolerance_without_corrections = 1e-6;
 
-/// A change that leaves the errors of a direct solve as small as a solve and its correction do, relative to y.
+/// Relative to y: a correction that is no larger leaves an error of at most this times that of a direct solve.
 constexpr double small_change = 1e-3;
 
 }  // namespace
@@ -392,7 +392,7 @@ Index ConstrainedSystem::count_inverted(const Columns& maps) const {
 /// tr (sRᵀ − Tᵀ)ᵀ K̄ (sRᵀ − Tᵀ), a Procrustes problem. The result is exact for one feature. Several features
 /// converge in the co-rotational iterations.
 void ConstrainedSystem::impose_similarities(Columns& y) const {
-  if (similarities_.empty()) return;
+  if (similarities_.empty() || y.isZero(0)) return;  // an edit that moves nothing gives exactly zero
   const Eigen::Index count = similarity_stiffness_.rows();
   Columns change(count, 3);
   for (std::size_t f = 0; f < similarities_.size(); ++f) {

@@ -7,7 +7,7 @@ namespace meshgraft {
 
 GroupWeights::GroupWeights(const IndexLists& rings, std::span<const std::uint8_t> given,
                            const SurfaceFields& fields, const Context& context)
-    : group_(rings.size(), -1) {
+    : group_(rings.size(), -1), first_group_(rings.size(), -1) {
   std::vector<Index> queue;
   for (Index start = 0; start < rings.size(); ++start) {
     if (!given[start] || group_[start] >= 0 || rings[start].empty()) continue;
@@ -24,6 +24,11 @@ GroupWeights::GroupWeights(const IndexLists& rings, std::span<const std::uint8_t
     }
     ++count_;
   }
+  std::vector<Index> first_of(fields.constrained_components().size(), -1);
+  for (std::size_t v = 0; v < group_.size(); ++v)
+    if (group_[v] >= 0 && first_of[fields.component()[v]] < 0) first_of[fields.component()[v]] = group_[v];
+  for (std::size_t v = 0; v < group_.size(); ++v)
+    if (fields.component()[v] >= 0) first_group_[v] = first_of[fields.component()[v]];
   weights_ = fields.spread(indicators_of_groups(group_, count_), context);
 }
 
@@ -44,28 +49,22 @@ std::optional<Columns> GroupWeights::common_values(const Columns& values) const 
   return common;
 }
 
-Columns GroupWeights::spread(const Columns& of_groups, const Columns& values, const SurfaceFields& fields,
-                             const Context& context) const {
+Columns GroupWeights::spread(const Columns& of_groups, Columns values, const Context& context) const {
   // Sums up differences from one group of the component, so that a constant stays exactly constant.
-  std::vector<Index> first_group(fields.constrained_components().size(), -1);
-  for (std::size_t v = 0; v < group_.size(); ++v)
-    if (group_[v] >= 0 && first_group[fields.component()[v]] < 0)
-      first_group[fields.component()[v]] = group_[v];
-  Columns spread(values.rows(), values.cols());
   parallel_blocks(
       group_.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-          const auto row = static_cast<Eigen::Index>(v);
-          const Index component = fields.component()[v], first = component < 0 ? -1 : first_group[component];
-          spread.row(row) = group_[v] >= 0 || first < 0 ? values.row(row) : of_groups.row(first);
+          const Index first = first_group_[v];
           if (group_[v] >= 0 || first < 0) continue;
+          const auto row = static_cast<Eigen::Index>(v);
+          values.row(row) = of_groups.row(first);
           for (Index g = 0; g < count_; ++g)
-            spread.row(row) += weights_(row, g) * (of_groups.row(g) - of_groups.row(first));
+            values.row(row) += weights_(row, g) * (of_groups.row(g) - of_groups.row(first));
         }
       },
       context);
-  return spread;
+  return values;
 }
 
 }  // namespace meshgraft

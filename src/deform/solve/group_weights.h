@@ -14,7 +14,8 @@
 namespace meshgraft {
 
 /// Connected groups of vertices with given values, and the weights that they spread over a surface. A field
-/// that is constant on each group is a sum of the weights, which costs far less than a solve.
+/// that is constant on each group is a sum of the weights, which costs far less than a solve. The weights hold
+/// for the given vertices of one `SurfaceFields`, whatever their values.
 class GroupWeights {
  public:
   GroupWeights() = default;
@@ -25,19 +26,19 @@ class GroupWeights {
   Index count() const { return count_; }
   /// Returns the group of each vertex, or -1 outside.
   const std::vector<Index>& group() const { return group_; }
-  /// Returns the spread `indicators_of_groups`: one column per group unless there are many.
+  /// Returns the spread `indicators_of_groups`: one column per group, or shared ones for more than 16 groups.
   const Columns& weights() const { return weights_; }
 
-  /// Returns the values of each group (groups×k), or nothing if they differ within a group, or if there are so
-  /// many groups that they share columns.
+  /// Returns the values of each group (groups×k), or nothing if they differ within a group, or if groups share
+  /// columns.
   std::optional<Columns> common_values(const Columns& values) const;
-  /// Returns what `fields.spread(values)` does for the common values `of_groups` of `values`.
-  Columns spread(const Columns& of_groups, const Columns& values, const SurfaceFields& fields,
-                 const Context& context) const;
+  /// Returns what `spread(values)` of the constructor's fields does for the common values `of_groups` of
+  /// `values`.
+  Columns spread(const Columns& of_groups, Columns values, const Context& context) const;
 
  private:
   Index count_ = 0;
-  std::vector<Index> group_;
+  std::vector<Index> group_, first_group_;  ///< per vertex: its group, and the first group of its component
   Columns weights_;
 };
 

@@ -29,12 +29,8 @@ void for_each_vertex(Index count, const Context& context, const Body& body) {
       context);
 }
 
-}  // namespace
-
-namespace {
-
 /// Flags the vertices where constraints or a feature's single map give the field.
-Flags known_maps(const ConstraintMask& mask) {
+Flags given_maps(const ConstraintMask& mask) {
   Flags given = mask.transform;
   for (Index v = 0; v < mask.size(); ++v) given[v] = !mask.is_fitted(v);
   return given;
@@ -64,11 +60,11 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
       serves_parts_((other != nullptr && other->serves_parts_) ||
                     (!system.is_part() && !system.intrinsic_edges().differ)),
       fields_(
-          field_surface(system), known_maps(system.mask()), bending_matrix(system, other, context),
+          field_surface(system), given_maps(system.mask()), bending_matrix(system, other, context),
           {.smoothing_length_rel = iterations_ > 0 ? std::optional(options.smoothing_length_rel) : std::nullopt,
            .backend = options.backend},
           context),
-      groups_(system.rings(), known_maps(system.mask()), fields_, context),
+      groups_(system.rings(), given_maps(system.mask()), fields_, context),
       limbs_(field_surface(system), fields_, groups_, options.backend, context) {
   keep_few_groups(context);
   if (other != nullptr) {
@@ -173,7 +169,8 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     if (const Index c = fields_.component()[v]; c >= 0 && !fields_.constrained_components()[c])
       logs.row(v) = fit_logs[c];
   const std::optional<Columns> of_groups = groups_.common_values(logs);
-  logs = of_groups ? groups_.spread(*of_groups, logs, fields_, context) : fields_.spread(logs, context);
+  logs = of_groups ? groups_.spread(*of_groups, std::move(logs), context)
+                   : fields_.spread(std::move(logs), context);
   Columns slopes;
   if (!limbs_.empty())
     slopes = of_groups ? Columns(slopes_of_groups_ * of_groups->leftCols<3>())
@@ -288,7 +285,7 @@ MapField RotationField::linear_field(std::span<const VertexConstraint> constrain
   for (const VertexConstraint& constraint : constraints)
     if (const Index v = system_.patch().local(constraint.vertex); v >= 0 && constraint.transform)
       entries.row(v) = constraint.transform->reshaped().transpose();
-  entries = fields_.spread(entries, context);
+  entries = fields_.spread(std::move(entries), context);
   MapField field{Columns(3 * n, 3), false};
   for (Index v = 0; v < n; ++v) {
     const Eigen::Matrix3d map = entries.row(v).transpose().reshaped(3, 3);

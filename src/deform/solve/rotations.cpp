@@ -31,14 +31,15 @@ Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& vector) {
 
 Eigen::Vector3d nearest_turn(const Eigen::Vector3d& vector, const Eigen::Vector3d& other) {
   constexpr double circle = 2 * std::numbers::pi;
-  // Without a half turn between the two, which is usual, the vector itself is the nearest.
+  // Less than half a turn lies between short vectors, which are usual.
   if (vector.squaredNorm() + other.squaredNorm() < 0.5 * std::numbers::pi * std::numbers::pi) return vector;
   const double angle = vector.norm();
   // The axis of a full turn is arbitrary.
   const Eigen::Vector3d axis =
       angle > 1e-12 ? Eigen::Vector3d(vector / angle) : Eigen::Vector3d(other.stableNormalized());
   const double along = axis.dot(other);
-  return (angle + circle * std::round((along - angle) / circle)) * axis;
+  const double turns = std::round((along - angle) / circle);
+  return turns == 0 ? vector : Eigen::Vector3d((angle + circle * turns) * axis);
 }
 
 namespace {

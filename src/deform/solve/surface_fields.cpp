@@ -215,11 +215,10 @@ std::vector<double> SurfaceFields::free_widths(std::optional<double> bending_len
 
 Columns SurfaceFields::spread(Columns values, const Context& context) const {
   if (spread_to_.empty()) return values;
-  // Solves for differences from the mean of each component's given values, so that a constant stays exactly
-  // constant.
-  const Columns means = given_means(values, context);
-  for_vertices(spread_to_, context, [&](Index v, Eigen::Index) { values.row(v) = means.row(component_[v]); });
-  const std::vector<Eigen::Index> varying = columns_that_vary(values, means, context);
+  // Solves for differences from a given value of each component, so that a constant stays exactly constant.
+  const Columns origins = one_given_value(values);
+  for_vertices(spread_to_, context, [&](Index v, Eigen::Index) { values.row(v) = origins.row(component_[v]); });
+  const std::vector<Eigen::Index> varying = columns_that_vary(values, origins, context);
   constexpr std::size_t at_once = 32;  // bounds the memory beside the values
   Columns differences, sides;
   for (std::size_t first = 0; first < varying.size(); first += at_once) {
@@ -229,7 +228,7 @@ Columns SurfaceFields::spread(Columns values, const Context& context) const {
     for_rows(differences.rows(), context, [&](Eigen::Index v) { differences.row(v).setZero(); });
     for_vertices(given_, context, [&](Index v, Eigen::Index) {
       for (Eigen::Index c = 0; c < width; ++c)
-        differences(v, c) = values(v, columns[c]) - means(component_[v], columns[c]);
+        differences(v, c) = values(v, columns[c]) - origins(component_[v], columns[c]);
     });
     for (int pass = 0; pass < 2; ++pass) {  // the second pass corrects with the residual of the first
       multiply(spread_rows_, differences, sides, context);
@@ -243,29 +242,23 @@ Columns SurfaceFields::spread(Columns values, const Context& context) const {
   return values;
 }
 
-/// Returns the mean of each component's given values over the area.
-Columns SurfaceFields::given_means(const Columns& values, const Context& context) const {
-  Columns means = Columns::Zero(static_cast<Eigen::Index>(constrained_.size()), values.cols());
-  std::vector<double> areas(constrained_.size(), 0.0);
-  SparseChecks check(context, rows_at_once);
-  for (const Index v : given_) {
-    check();
-    means.row(component_[v]) += areas_[v] * values.row(v);
-    areas[component_[v]] += areas_[v];
-  }
-  for (std::size_t c = 0; c < constrained_.size(); ++c)
-    if (areas[c] > 0) means.row(static_cast<Eigen::Index>(c)) /= areas[c];
-  return means;
+/// Returns a given value of each component, by rows.
+Columns SurfaceFields::one_given_value(const Columns& values) const {
+  Columns given = Columns::Zero(static_cast<Eigen::Index>(constrained_.size()), values.cols());
+  Flags is_known(constrained_.size(), 0);
+  for (const Index v : given_)
+    if (std::exchange(is_known[component_[v]], std::uint8_t{1}) == 0) given.row(component_[v]) = values.row(v);
+  return given;
 }
 
-/// Returns the columns whose given values differ from the mean of their component.
-std::vector<Eigen::Index> SurfaceFields::columns_that_vary(const Columns& values, const Columns& means,
+/// Returns the columns whose given values differ from the `origins` of their component.
+std::vector<Eigen::Index> SurfaceFields::columns_that_vary(const Columns& values, const Columns& origins,
                                                            const Context& context) const {
   Flags varies(values.cols(), 0);
   SparseChecks check(context, rows_at_once);
   for (const Index v : given_) {
     check();
-    for (Eigen::Index c = 0; c < values.cols(); ++c) varies[c] |= values(v, c) != means(component_[v], c);
+    for (Eigen::Index c = 0; c < values.cols(); ++c) varies[c] |= values(v, c) != origins(component_[v], c);
   }
   std::vector<Eigen::Index> varying;
   for (Eigen::Index c = 0; c < values.cols(); ++c)

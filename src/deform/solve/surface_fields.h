@@ -85,8 +85,8 @@ class SurfaceFields {
   SparseRows energy_rows(const BendingMatrix& bending, const std::vector<Index>& vertices,
                          std::optional<double> bending_length_rel, const Context& context) const;
   std::vector<double> free_widths(std::optional<double> bending_length_rel, const Context& context) const;
-  Columns given_means(const Columns& values, const Context& context) const;
-  std::vector<Eigen::Index> columns_that_vary(const Columns& values, const Columns& means,
+  Columns one_given_value(const Columns& values) const;
+  std::vector<Eigen::Index> columns_that_vary(const Columns& values, const Columns& origins,
                                               const Context& context) const;
 
   std::shared_ptr<const BendingMatrix> bending_;

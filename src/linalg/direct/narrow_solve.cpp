@@ -39,7 +39,7 @@ MESHGRAFT_INLINE void store(const Lanes<lanes>& values, double* to) {
 }
 
 /// Prefetches a cache line of each column of the strip that lies `by` columns further on. The runs are too
-/// short for the hardware prefetcher.
+/// short for the hardware prefetcher. Addresses may lie outside of the panel: a prefetch reads nothing.
 template <int columns>
 MESHGRAFT_INLINE void fetch_strip(const double* panel, int rows, int row, int by) {
   for (int q = 0; q < columns; ++q) __builtin_prefetch(panel + row + static_cast<std::int64_t>(by + q) * rows);
@@ -192,7 +192,7 @@ constexpr auto *solve_avx2 = solve_baseline, *solve_avx512 = solve_baseline;
 
 void solve_all(Direction direction, const double* panel, int rows, int columns, double* x, int width,
                platform::VectorInstructions instructions) {
-  const auto solve = [&] {
+  const auto kernel = [&] {
     switch (instructions) {
       case platform::VectorInstructions::avx512: return solve_avx512;
       case platform::VectorInstructions::avx2: return solve_avx2;
@@ -200,8 +200,8 @@ void solve_all(Direction direction, const double* panel, int rows, int columns, 
     }
   }();
   for (int c = 0; c < width; c += widest)
-    solve(direction, panel, rows, columns, x + static_cast<std::int64_t>(c) * rows,
-          std::min(widest, width - c));
+    kernel(direction, panel, rows, columns, x + static_cast<std::int64_t>(c) * rows,
+           std::min(widest, width - c));
 }
 
 }  // namespace
