@@ -12,8 +12,8 @@
 namespace meshgraft {
 
 /// Deforms a region of a mesh by its handles (Fu & Tai 2005, sections 3 and 4). The constructor validates,
-/// assembles and factorises. An evaluation takes two back-substitutions, and one more per co-rotational
-/// iteration.
+/// assembles and factorises. An evaluation takes two back-substitutions, that of `corotational` one per
+/// iteration and mostly one more.
 class Deformer {
  public:
   /// Throws Error(input) for bad indices, an empty or overlapping handle, a vertex that is constrained twice,

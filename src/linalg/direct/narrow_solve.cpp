@@ -144,29 +144,25 @@ MESHGRAFT_INLINE void solve_backward(const double* panel, int rows, int columns,
 
 enum class Direction { forward, backward };
 
+template <int lanes, int width>
+MESHGRAFT_INLINE void solve_columns(Direction direction, const double* panel, int rows, int columns,
+                                    double* x) {
+  if (direction == Direction::forward)
+    solve_forward<lanes, width>(panel, rows, columns, x);
+  else
+    solve_backward<lanes, width>(panel, rows, columns, x);
+}
+
 template <int lanes>
 MESHGRAFT_INLINE void solve(Direction direction, const double* panel, int rows, int columns, double* x,
                             int width) {
-  const bool is_forward = direction == Direction::forward;
   switch (width) {
-    case 1:
-      return is_forward ? solve_forward<lanes, 1>(panel, rows, columns, x)
-                        : solve_backward<lanes, 1>(panel, rows, columns, x);
-    case 2:
-      return is_forward ? solve_forward<lanes, 2>(panel, rows, columns, x)
-                        : solve_backward<lanes, 2>(panel, rows, columns, x);
-    case 3:
-      return is_forward ? solve_forward<lanes, 3>(panel, rows, columns, x)
-                        : solve_backward<lanes, 3>(panel, rows, columns, x);
-    case 4:
-      return is_forward ? solve_forward<lanes, 4>(panel, rows, columns, x)
-                        : solve_backward<lanes, 4>(panel, rows, columns, x);
-    case 5:
-      return is_forward ? solve_forward<lanes, 5>(panel, rows, columns, x)
-                        : solve_backward<lanes, 5>(panel, rows, columns, x);
-    default:
-      return is_forward ? solve_forward<lanes, widest>(panel, rows, columns, x)
-                        : solve_backward<lanes, widest>(panel, rows, columns, x);
+    case 1: return solve_columns<lanes, 1>(direction, panel, rows, columns, x);
+    case 2: return solve_columns<lanes, 2>(direction, panel, rows, columns, x);
+    case 3: return solve_columns<lanes, 3>(direction, panel, rows, columns, x);
+    case 4: return solve_columns<lanes, 4>(direction, panel, rows, columns, x);
+    case 5: return solve_columns<lanes, 5>(direction, panel, rows, columns, x);
+    default: return solve_columns<lanes, widest>(direction, panel, rows, columns, x);
   }
 }
 
