@@ -31,6 +31,8 @@ CONFIGURATIONS = {
     "tsan": "the tests of several threads, with the thread sanitizer",
 }
 
+VITEST_PLACE = "❯ "  # before the file, line and column of an error in Vitest's output
+
 
 class Count:
     """How many tests passed, failed and were skipped, and a line for each that failed."""
@@ -80,13 +82,18 @@ def follow(path, work):
 
 
 def find_reason(output):
-    """The line of a failed test's output that says most: GoogleTest's two after "Failure", else the last error."""
+    """The line of a failed test's output that says most: GoogleTest's two after "Failure", Vitest's last error with the
+    line of the test, else the last error."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     for number, line in enumerate(lines):
         if line.endswith("Failure"):
             return " ".join(lines[number + 1:number + 3])
-    errors = [line for line in lines if "error" in line.lower()]
-    return (errors or lines or ["no output"])[-1]
+    errors = [number for number, line in enumerate(lines) if "error" in line.lower()]
+    if not errors:
+        return (lines or ["no output"])[-1]
+    place = next((line for line in lines[errors[-1]:] if line.startswith(VITEST_PLACE)), None)
+    error = lines[errors[-1]]
+    return error if place is None else f"{place.removeprefix(VITEST_PLACE)}: {error}"
 
 
 def read_results(junit):

@@ -41,6 +41,8 @@ class RunTests(unittest.TestCase):
         gtest = "[ RUN ] A.B\n/a_test.cpp:7: Failure\nValue of: x\n  Actual: 2\n[ FAILED ] A.B\n"
         self.assertEqual(run_tests.find_reason(gtest), "Value of: x Actual: 2")
         self.assertEqual(run_tests.find_reason("Traceback\nValueError: no\nFAILED (1)\n\n"), "ValueError: no")
+        vitest = " FAIL  a.test.ts > it\nTimeoutError: 60 s\nCall log:\n ❯ a.test.ts:7:9\n 5| x\nTests 1 failed\n"
+        self.assertEqual(run_tests.find_reason(vitest), "a.test.ts:7:9: TimeoutError: 60 s")
         self.assertEqual(run_tests.find_reason(""), "no output")
         count = run_tests.Count()
         count.fail("b: 1 != 2")

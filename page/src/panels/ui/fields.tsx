@@ -36,12 +36,13 @@ export function NumberField(props: NumberFieldProps) {
   const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
   const bad = parsed === undefined || (typed !== null && !isInRange(parsed, props));
   const [told, setTold] = useState<string | null>(null); // the sentence on a refused input
+  const [hasFocus, setHasFocus] = useState(false);
   useEffect(() => {
-    // A refused input stays until it changes or the field loses focus. The sentence on it stays a while longer.
-    if (told === null || typed !== null) return undefined;
+    // The sentence stays until the input changes, or for a while after the field has lost focus.
+    if (told === null || hasFocus) return undefined;
     const timer = setTimeout(() => setTold(null), messageMs);
     return () => clearTimeout(timer);
-  }, [told, typed]);
+  }, [told, hasFocus]);
   /** Commits the typed text. Returns whether it is valid. */
   const confirm = (): boolean => {
     if (bad) setTold(parsed === undefined ? writingWords(quantity, unit) : `Enter ${rangeWords(props)}.`);
@@ -49,7 +50,12 @@ export function NumberField(props: NumberFieldProps) {
     if (!bad) setTyped(null);
     return !bad;
   };
+  const onFocus = (event: FocusEvent) => {
+    setHasFocus(true);
+    if (event.currentTarget instanceof HTMLInputElement) event.currentTarget.select();
+  };
   const onBlur = () => {
+    setHasFocus(false);
     confirm();
     setTyped(null);
   };
@@ -86,7 +92,7 @@ export function NumberField(props: NumberFieldProps) {
         disabled={disabled}
         data-confirmed={typed === null ? "" : undefined}
         value={typed ?? shown}
-        onFocus={(event) => event.currentTarget.select()}
+        onFocus={onFocus}
         onInput={(event) => {
           setTyped(event.currentTarget.value);
           setTold(null);
