@@ -1,7 +1,6 @@
 #include "rotations.h"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Eigenvalues>
@@ -61,30 +60,30 @@ Eigen::Matrix3d nearest_rotation_by_svd(const Eigen::Matrix3d& map) {
 }  // namespace
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& map) {
-  // Newton's iteration for the polar factor, scaled (Higham 1986): X ← (γ X + X⁻ᵀ/γ)/2. It takes a tenth of
-  // the time of a singular value decomposition. It converges in a few steps except near flat maps and
-  // reflections, which are left to the decomposition.
-  constexpr double flattest = 1e-3;
-  constexpr double large_change = 1e-2;  // squared: scaling helps while changes are larger
-  constexpr double last_change = 1e-14;  // squared: the error is half of it
-  constexpr int most_steps = 10;
-  Eigen::Matrix3d x = map;
-  double change = std::numeric_limits<double>::infinity();
+  // The rotation in closed form but for one number, the largest value λ of tr(RᵀM) (Markley 1993, FOAM). λ is
+  // the largest root of (λ² − |M|²)² = 8 λ det M + 4 |cof M|². Newton's method reaches it from above. The
+  // quotient loses digits if another rotation is nearly as near; such maps are left to the singular value
+  // decomposition.
+  constexpr double least_quotient = 1e-2;  // relative to |M|³: the error is below 1e-12
+  constexpr double last_change = 1e-9;     // relative: the error is about its square
+  constexpr int most_steps = 20;
+  const Eigen::Matrix3d cofactor = cofactors(map);
+  const double determinant = map.col(0).dot(cofactor.col(0));
+  const double square = map.squaredNorm(), size = std::sqrt(square);
+  const double constant = 4 * cofactor.squaredNorm();
+  double root = std::sqrt(3.0) * size;  // an upper bound
   for (int step = 0; step < most_steps; ++step) {
-    const Eigen::Matrix3d cofactor = cofactors(x);
-    const double determinant = x.col(0).dot(cofactor.col(0));
-    double gamma = 1;
-    if (change > large_change) {
-      const double size = x.norm();
-      if (step == 0 && !(determinant > flattest * size * size * size)) break;
-      gamma = std::sqrt(cofactor.norm() / (determinant * size));
-    }
-    const Eigen::Matrix3d next = (gamma / 2) * x + (0.5 / (gamma * determinant)) * cofactor;
-    change = (next - x).squaredNorm();
-    x = next;
-    if (change < last_change) return x;
+    const double excess = root * root - square;
+    const double change =
+        (excess * excess - 8 * determinant * root - constant) / (4 * excess * root - 8 * determinant);
+    root -= change;
+    if (!(std::abs(change) > last_change * root)) break;
   }
-  return nearest_rotation_by_svd(map);
+  const double half_excess = (root * root - square) / 2;
+  const double quotient = half_excess * root - determinant;
+  if (!(quotient > least_quotient * square * size)) return nearest_rotation_by_svd(map);
+  const Eigen::Matrix3d inner = (half_excess + square) * Eigen::Matrix3d::Identity() - map.transpose() * map;
+  return (map * inner + root * cofactor) / quotient;
 }
 
 bool polar_decompose(const Eigen::Matrix3d& map, PolarParts& parts) {
