@@ -55,6 +55,8 @@ TEST(Sparse, TimesSomeColumnsIsThatPartOfTheProduct) {
     Columns part;
     for (const auto& [first, count] : {std::pair{0, 23}, {3, 16}, {22, 1}, {5, 0}}) {
       multiply(family.a, x, first, count, part, {});
+      EXPECT_EQ(part.cols(), count) << family.name << first;
+      if (all.rows() == 0) continue;  // Eigen's blocks of null pointers are undefined
       EXPECT_TRUE(same_bytes(part, Columns(all.middleCols(first, count)))) << family.name << first;
     }
   }
