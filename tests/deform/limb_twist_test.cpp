@@ -90,15 +90,16 @@ TEST(LimbTwist, FindsTheSlopeOfWholeSections) {
   }
 }
 
-/// A flat sheet whose maps are given in a disc and beyond a circle. Its vertices in between are free.
+/// A sheet, flat or bumpy, whose maps are given in a disc and beyond a circle. Its vertices in between are
+/// free.
 struct DiscInSheet {
   test::TestMesh mesh = test::irregular_grid(40, 40);
   Eigen::RowVector3d centre = mesh.positions.colwise().mean();
   std::vector<Index> disc, border, free;
   Flags given = Flags(static_cast<std::size_t>(mesh.size()), 0);
 
-  DiscInSheet() {
-    mesh.positions.col(2).setConstant(centre[2]);
+  explicit DiscInSheet(bool is_flat = true) {
+    if (is_flat) mesh.positions.col(2).setConstant(centre[2]);
     for (Index v = 0; v < mesh.size(); ++v) {
       const double distance = (mesh.positions.row(v) - centre).norm() / mesh.box_diagonal();
       (distance < 0.07 ? disc : distance > 0.32 ? border : free).push_back(v);
@@ -123,6 +124,16 @@ TEST(LimbTwist, FindsAxisAndCentreOfADisc) {
     EXPECT_GT(at.direction.dot(offset.normalized()), 0.9);
     EXPECT_LT((at.moment - at.axis.cross(offset)).norm(), 0.12 * offset.norm());
     EXPECT_NEAR(slopes(v, 0), 0.3, 0.03);
+  }
+}
+
+TEST(LimbTwist, AxesOfADiscPointToOneSideOfTheSheet) {
+  for (const bool is_flat : {true, false}) {
+    const DiscInSheet sheet(is_flat);
+    const LimbTwist limbs = limbs_of(sheet.mesh, sheet.given);
+    ASSERT_FALSE(limbs.empty());
+    for (const Index v : sheet.free)
+      if (const LimbPoint at = limbs.at(v); is_on_disc(at)) EXPECT_GT(at.axis[2], 0.5);
   }
 }
 

@@ -172,6 +172,34 @@ TEST(ReducedFrames, TurnsAreNotReduced) {
   }
 }
 
+TEST(ReducedFrames, ADiscTurnsInABumpySheet) {
+  const TestMesh mesh = irregular_grid(60, 60);
+  const Eigen::RowVector3d centre = mesh.positions.colwise().mean();
+  Region region{.whole = true};
+  region.handles.push_back({.name = "disc"});
+  for (Index v = 0; v < mesh.size(); ++v) {
+    const double distance = (mesh.positions.row(v) - centre).norm() / mesh.box_diagonal();
+    if (distance < 0.07) region.handles[0].vertices.push_back(v);
+    if (distance > 0.32) region.fixed.push_back(v);
+  }
+  for (const DeformMethod method : methods) {
+    DeformerOptions options;
+    options.method = method;
+    const Deformer deformer(mesh.positions, mesh.triangles, region, options);
+    const ReducedFrames frames(deformer);
+    for (const double angle_deg : {45.0, 90.0, -90.0}) {
+      SCOPED_TRACE(std::string(to_string(method)) + ", " + std::to_string(angle_deg));
+      HandleMotion motion;
+      motion.axis = Vector3d::UnitZ();
+      motion.angle_deg = angle_deg;
+      const std::vector poses{make_pose(motion, centre.transpose())};
+      const Points exact = deformer.evaluate(poses);
+      const double bound = method == DeformMethod::corotational ? 0.05 : 0.02;
+      EXPECT_LE(largest_distance(frames.frame(poses), exact), bound * largest_move(mesh, exact));
+    }
+  }
+}
+
 TEST(ReducedFrames, MoreCentresAreNearer) {
   const Scene scene = make_scene(irregular_grid(40, 40));
   const Deformer deformer = make_deformer(scene, held_foot(scene), DeformMethod::corotational);

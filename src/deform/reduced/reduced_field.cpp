@@ -161,9 +161,6 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   sample_influence_ = blend_weights_(samples_, Eigen::all);
   sample_given_ = given_weights_(samples_, Eigen::all);
   join_winding(spread.leftCols(centre_count), context);
-  interpolation_ = cell_means(weights_, 1, context).leftCols(centre_count);
-  centre_areas_ =
-      interpolation_.transpose() * Eigen::Map<const Eigen::VectorXd>(areas_.data(), interpolation_.rows());
 }
 
 /// Returns the winding functions of χ, patch × functions.
@@ -188,29 +185,29 @@ void ReducedField::join_winding(const Eigen::Ref<const Columns>& of_centres, con
         winding.middleRows(first, count) - centres * at_centres -
         given_weights_.middleRows(first, count) * at_handles;
   });
-  sample_weights_ = weights_(samples_, Eigen::seqN(0, centre_count));
-  winding_fit_ = fit_functions(weights_(samples_, Eigen::lastN(winding.cols())), areas_);
+  const std::vector<double>& areas = rotations_->fields().areas();
+  fit_ = fit_functions(weights_(samples_, Eigen::all), areas_,
+                       winding_penalty(weights_, winding.cols(),
+                                       Eigen::Map<const Eigen::VectorXd>(areas.data(), weights_.rows()),
+                                       0.1));  // chosen: 0.01 does as well
 }
 
-/// Reduces smoothing to the samples: smooth(f)(c) = Σ_v g_c(v) a_v f(v), where g_c is the smoothed unit
-/// source at c. This takes one solve per centre.
+/// Reduces smoothing to the samples: smooth(f)(s) = Σ_c S(s, c) f(c), where S(s, c) is the integral of the
+/// kernel at s over the cell c. This takes one solve per sample.
 void ReducedField::reduce_smoothing(const Context& context) {
-  const SurfaceFields& fields = rotations_->fields();
-  constexpr Eigen::Index at_once = 16;
-  const auto count = static_cast<Eigen::Index>(centres_.size());
-  smoothing_ = Columns::Zero(count, static_cast<Eigen::Index>(samples_.size()));
-  for (Eigen::Index first = 0; first < count; first += at_once) {
-    const Eigen::Index columns = std::min(at_once, count - first);
-    Columns sources = Columns::Zero(system_->patch().size(), columns);
-    for (Eigen::Index k = 0; k < columns; ++k) {
-      const Index centre = centres_[first + k];
-      sources(centre, k) = 1 / fields.areas()[centre];
-    }
-    const Columns g = fields.smooth(sources, Columns::Zero(sources.rows(), columns), context);
+  constexpr std::size_t at_once = 32;
+  const std::span<const Index> samples = samples_;
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  const Eigen::Map<const Eigen::VectorXd> areas(areas_.data(), count);
+  const SparseRows cells = cell_mean_rows(1);
+  smoothing_.resize(count, count);
+  Columns memory, kernels;
+  for (std::size_t first = 0; first < samples.size(); first += at_once) {
+    const auto some = samples.subspan(first, std::min(at_once, samples.size() - first));
+    rotations_->fields().smoothing_kernels(some, memory, kernels, context);
+    smoothing_.middleRows(static_cast<Eigen::Index>(first), kernels.cols()) =
+        (areas.asDiagonal() * multiply(cells, kernels, context)).transpose();
     context.throw_if_stopped();
-    for (Index v = 0; v < system_->patch().size(); ++v)
-      if (cell_[v] >= 0)
-        smoothing_.col(cell_[v]).segment(first, columns) += fields.areas()[v] * g.row(v).transpose();
   }
 }
 
@@ -273,15 +270,20 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
     twist_weights_.middleRows(first, count) << spread.middleRows(first, count),
         winding.middleRows(first, count);
   });
-  std::vector<double> strained(samples_.size());
+  const std::vector<double>& areas = rotations_->fields().areas();
+  std::vector<double> at_samples(samples_.size());
+  Eigen::VectorXd at_vertices(twist_weights_.rows());  // of the strain's square
   for (std::size_t s = 0; s < samples_.size(); ++s)
-    strained[s] = areas_[s] * limbs.at(samples_[s]).moment.squaredNorm();
-  twist_fit_ = fit_functions(twist_weights_(samples_, Eigen::all), strained);
+    at_samples[s] = areas_[s] * limbs.at(samples_[s]).moment.squaredNorm();
+  for (Eigen::Index v = 0; v < at_vertices.size(); ++v)
+    at_vertices[v] = areas[static_cast<std::size_t>(v)] * limbs.at(v).moment.squaredNorm();
+  twist_fit_ = fit_functions(twist_weights_(samples_, Eigen::all), at_samples,
+                             winding_penalty(twist_weights_, winding.cols(), at_vertices,
+                                             1e-5));  // chosen: more blurs the ends of limbs
   const Columns slopes = limbs.slopes(blend_weights_, context);
   for (const Index v : samples_) sample_limbs_.push_back(limbs.at(v));
   sample_slopes_ = slopes(samples_, Eigen::all);
   cell_strains_.assign(samples_.size(), Eigen::Matrix3d::Zero());
-  const std::vector<double>& areas = rotations_->fields().areas();
   for (std::size_t v = 0; v < cell_.size(); ++v)
     if (const auto row = static_cast<Eigen::Index>(v); cell_[v] >= 0)
       cell_strains_[cell_[v]] +=
@@ -417,7 +419,7 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
     if (has_limbs()) map.shear = shear_at(logs, row, sample_influence_, map.blended.stretch);
     at_samples.push_back(map);
   }
-  set_field(at_samples, Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3), result.coefficients);
+  set_field(at_samples, Columns::Zero(static_cast<Eigen::Index>(samples_.size()), 3), result.coefficients);
   if (iterations_ == 0) return result;
   std::vector<BlendedMap> at_cells;
   for (std::size_t s = 0; s < samples_.size(); ++s) {
@@ -450,19 +452,20 @@ Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coeffici
 void ReducedField::local_steps(const std::vector<SampleMap>& at_samples,
                                const std::vector<BlendedMap>& at_cells, Result& result,
                                const Context& context) const {
-  Columns deviation = Columns::Zero(static_cast<Eigen::Index>(centres_.size()), 3);
-  Columns raw(static_cast<Eigen::Index>(samples_.size()), 3);
-  AndersonMixing mixing([this](const Columns& a, const Columns& b) {
-    return a.cwiseProduct(b).rowwise().sum().dot(centre_areas_);
-  });
+  const auto count = static_cast<Eigen::Index>(samples_.size());
+  const Eigen::Map<const Eigen::VectorXd> areas(areas_.data(), count);
+  const auto sum_of_products = [&areas](const Columns& a, const Columns& b) {
+    return a.cwiseProduct(b).rowwise().sum().dot(areas);
+  };
+  AndersonMixing mixing(sum_of_products);
+  Columns deviation = Columns::Zero(count, 3), raw(count, 3);
   while (result.iterations < iterations_) {
-    const Columns current = interpolation_ * deviation;
     const auto turn = [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
         const auto row = static_cast<Eigen::Index>(s);
         const Eigen::Matrix3d change = cell_map(s, result.coefficients) + base_maps_.middleRows<3>(3 * row);
         raw.row(row) = surface_turn(change.transpose() + Eigen::Matrix3d::Identity(), at_cells[s],
-                                    normals_.row(row).transpose(), current.row(row).transpose())
+                                    normals_.row(row).transpose(), deviation.row(row).transpose())
                            .transpose();
       }
     };
@@ -471,49 +474,38 @@ void ReducedField::local_steps(const std::vector<SampleMap>& at_samples,
     deviation = mixing.next(deviation, step);
     set_field(at_samples, deviation, result.coefficients);
     ++result.iterations;
-
-    const Columns change = interpolation_ * step;
-    double sum = 0, area = 0;
-    for (std::size_t s = 0; s < samples_.size(); ++s) {
-      sum += areas_[s] * change.row(static_cast<Eigen::Index>(s)).squaredNorm();
-      area += areas_[s];
-    }
-    result.change = area > 0 ? std::sqrt(sum / area) : 0;
+    const double area = areas.sum();
+    result.change = area > 0 ? std::sqrt(sum_of_products(step, step) / area) : 0;
     if (result.change < settled_change) break;
   }
 }
 
+/// Fits the functions to the field at the samples.
 void ReducedField::set_field(const std::vector<SampleMap>& at_samples, const Columns& deviation,
                              Columns& coefficients) const {
-  // (F − I)ᵀ and (R W)ᵀ at the samples, whose first ones are the centres
-  const auto centre_count = static_cast<Eigen::Index>(centres_.size()),
-             sample_count = static_cast<Eigen::Index>(samples_.size());
+  // (F − I)ᵀ and (R W)ᵀ at the samples, column-major as the rows of the transposed matrices
   using Maps = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
-  Maps maps(sample_count, 9), shears(has_limbs() ? sample_count : 0, 9);
-  const Columns turns = sample_weights_ * deviation;
-  for (Eigen::Index row = 0; row < sample_count; ++row) {
+  const auto count = static_cast<Eigen::Index>(samples_.size());
+  Maps maps(count, 9), shears(has_limbs() ? count : 0, 9);
+  for (Eigen::Index row = 0; row < count; ++row) {
     const SampleMap& map = at_samples[static_cast<std::size_t>(row)];
-    const Eigen::Matrix3d rotation = rotation_exp(turns.row(row).transpose()) * map.blended.rotation;
-    // column-major, as the rows of the transposed matrix
+    const Eigen::Matrix3d rotation = rotation_exp(deviation.row(row).transpose()) * map.blended.rotation;
     Eigen::Map<Eigen::Matrix3d>(maps.row(row).data()) =
         rotation * map.blended.stretch - Eigen::Matrix3d::Identity();
     if (has_limbs()) Eigen::Map<Eigen::Matrix3d>(shears.row(row).data()) = rotation * map.shear;
   }
-  const auto set_rows = [&](Eigen::Index first, const Maps& values) {
-    for (Eigen::Index k = 0; k < values.rows(); ++k)
-      coefficients.middleRows<3>(first + 3 * k) =
-          Eigen::Map<const Eigen::Matrix3d>(values.row(k).data()).transpose();
-  };
-  const auto first = static_cast<Eigen::Index>(8 * handle_count_);
-  const auto first_twist = first + static_cast<Eigen::Index>(3 * function_count());
-  set_rows(first, maps.topRows(centre_count));
-  if (has_limbs()) set_rows(first_twist, twist_fit_ * shears);
-  if (winding_count_ == 0) return;
   Maps given(static_cast<Eigen::Index>(handle_count_), 9);
   for (Eigen::Index h = 0; h < given.rows(); ++h)
     Eigen::Map<Eigen::Matrix3d>(given.row(h).data()) = coefficients.middleRows<3>(4 * h).transpose();
-  const Maps left = maps - sample_weights_ * maps.topRows(centre_count) - sample_given_ * given;
-  set_rows(first + 3 * centre_count, winding_fit_ * left);
+  maps -= sample_given_ * given;
+  const auto set_rows = [&](std::size_t first, const Maps& values) {
+    for (Eigen::Index k = 0; k < values.rows(); ++k)
+      coefficients.middleRows<3>(static_cast<Eigen::Index>(first) + 3 * k) =
+          Eigen::Map<const Eigen::Matrix3d>(values.row(k).data()).transpose();
+  };
+  const std::size_t first = 8 * handle_count_;
+  set_rows(first, fit_ * maps);
+  if (has_limbs()) set_rows(first + 3 * function_count(), twist_fit_ * shears);
 }
 
 }  // namespace meshgraft

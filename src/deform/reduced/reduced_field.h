@@ -14,8 +14,9 @@
 
 namespace meshgraft {
 
-/// The field of maps of a `RotationField`, stored at some centres. Its co-rotational iterations use samples of
-/// the surface, which are means over cells of vertices.
+/// The field of maps of a `RotationField`, as a sum of few functions. Its co-rotational iterations run on
+/// samples of the surface: the field is known at them, and fitted by the functions. The surface's maps are
+/// means over the samples' cells of vertices.
 ///
 /// A solution is linear in `width()` rows of coefficients, three columns each:
 ///   4 per handle    its frame, if the field is blended by logarithms
@@ -119,17 +120,15 @@ class ReducedField {
   std::vector<Index> sample_component_;        ///< components without a given map, else -1
   std::vector<Columns> fits_;                  ///< per such one: (M − I)ᵀ = fit (3 × 4H) · frames
   Columns sample_influence_, cell_influence_;  ///< χ at samples, and its means over cells
-  Columns sample_weights_, sample_given_;      ///< φ of centres and of handles at samples
-  Eigen::MatrixXd winding_fit_;                ///< winding functions × samples
+  Columns sample_given_;                       ///< φ of handles at samples
+  Eigen::MatrixXd fit_;                        ///< functions × samples: gives the coefficients of a field
   // Empty without limbs.
   std::vector<LimbPoint> sample_limbs_;
   Columns sample_slopes_;                      ///< rates of χ along `LimbPoint::direction`
   Eigen::MatrixXd twist_fit_;                  ///< twist functions × samples
   std::vector<Eigen::Matrix3d> cell_strains_;  ///< per cell: mean of s (a × r) bᵀ
-  Columns interpolation_;                      ///< cells × centres: means of φ
-  Columns smoothing_;                          ///< centres × cells: weights of the cells in the smoothed field
+  Columns smoothing_;                          ///< samples × cells: weights of the cells in the smoothed field
   std::vector<double> areas_;                  ///< per cell
-  Eigen::VectorXd centre_areas_;               ///< per centre: the area that it moves
   Points normals_;                             ///< per cell: normal if maps are fitted to flat rings, else 0
   /// The columns of (M − I)ᵀ that `width()` rows cause, per cell. Each column is padded to four numbers, so
   /// that they are added at once.

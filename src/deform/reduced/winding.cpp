@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 namespace meshgraft {
@@ -24,18 +25,34 @@ Columns winding_functions(const Columns& weights, int degree) {
   return functions;
 }
 
-Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const double> sample_weights) {
+Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const double> sample_weights,
+                              const Eigen::MatrixXd& penalty) {
   constexpr double hardly = 1e-4;  // × the largest singular value
-  if (at_samples.cols() == 0) return Eigen::MatrixXd::Zero(0, at_samples.rows());
-  const Eigen::VectorXd roots =
-      Eigen::Map<const Eigen::VectorXd>(sample_weights.data(), at_samples.rows()).cwiseSqrt();
-  Eigen::BDCSVD<Eigen::MatrixXd> svd(roots.asDiagonal() * at_samples,
-                                     Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::Index samples = at_samples.rows(), functions = at_samples.cols();
+  if (functions == 0) return Eigen::MatrixXd::Zero(0, samples);
+  const Eigen::VectorXd roots = Eigen::Map<const Eigen::VectorXd>(sample_weights.data(), samples).cwiseSqrt();
+  Eigen::MatrixXd rows(samples + penalty.rows(), functions);
+  rows.topRows(samples) = roots.asDiagonal() * at_samples;
+  if (penalty.rows() > 0) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(penalty);
+    rows.bottomRows(functions) =
+        eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::VectorXd& values = svd.singularValues();
   const double least = hardly * values[0];
   const Eigen::VectorXd inverse =
       values.unaryExpr([least](double value) { return value > least ? 1 / value : 0; });
-  return svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose() * roots.asDiagonal();
+  return svd.matrixV() * inverse.asDiagonal() * svd.matrixU().topRows(samples).transpose() * roots.asDiagonal();
+}
+
+Eigen::MatrixXd winding_penalty(const Columns& functions, Eigen::Index winding_count,
+                                const Eigen::VectorXd& vertex_weights, double share) {
+  Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(functions.cols(), functions.cols());
+  const auto winding = functions.rightCols(winding_count);
+  penalty.bottomRightCorner(winding_count, winding_count) =
+      share * winding.transpose() * vertex_weights.asDiagonal() * winding;
+  return penalty;
 }
 
 }  // namespace meshgraft

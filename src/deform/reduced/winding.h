@@ -16,8 +16,15 @@ namespace meshgraft {
 Columns winding_functions(const Columns& weights, int degree);
 
 /// Returns the matrix (functions × samples) that fits values at samples by functions with the given values
-/// there (samples × functions). Least squares with weights per sample; combinations of functions that the
-/// samples hardly see are left out.
-Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const double> sample_weights);
+/// there (samples × functions). Least squares with weights per sample. `penalty` (functions × functions,
+/// positive semidefinite, or empty) adds cᵀ penalty c for coefficients c. Combinations of functions that
+/// neither sees are left out.
+Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const double> sample_weights,
+                              const Eigen::MatrixXd& penalty = {});
+
+/// Returns the penalty for a fit of `functions` (vertices × functions), of which the last ones are winding
+/// functions. Between samples those could be anything: a share of the integral of their squares is added.
+Eigen::MatrixXd winding_penalty(const Columns& functions, Eigen::Index winding_count,
+                                const Eigen::VectorXd& vertex_weights, double share);
 
 }  // namespace meshgraft

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <meshgraft/core/error.h>
+#include <meshgraft/mesh/normals.h>
 #include <meshgraft/mesh/topology.h>
 
 #include "core/parallel.h"
@@ -158,13 +159,18 @@ void LimbTwist::find_axes(const FieldSurface& surface, const SurfaceFields& fiel
   const Eigen::MatrixXd means = means_->solve(loads, context);
 
   const Flags may_have_discs = components_with_discs(fields, group);
+  const Points normals = vertex_normals(surface.points, surface.triangles, faces.at, context);
   axes_ = moments_ = rates_along_ = Points::Zero(surface.points.rows(), 3);
   for_each(means.rows(), context, [&](std::size_t k) {
     const auto row = static_cast<Eigen::Index>(k);
     const Index v = vertices_[k];
     if (group[v] >= 0) return;
-    const LimbPoint limb =
+    LimbPoint limb =
         limb_at(surface.points.row(v), directions_.row(v), means.row(row), may_have_discs[component[v]] != 0);
+    if (is_on_disc(limb) && limb.axis.dot(normals.row(v)) < 0) {  // the same sign all around
+      limb.axis = -limb.axis;
+      limb.moment = -limb.moment;
+    }
     axes_.row(v) = limb.axis.transpose();
     moments_.row(v) = limb.moment.transpose();
     rates_along_.row(v) = limb.direction.transpose();

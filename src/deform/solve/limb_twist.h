@@ -15,7 +15,9 @@ namespace meshgraft {
 
 /// A point of a surface as part of a limb or of a disc.
 struct LimbPoint {
-  Eigen::Vector3d axis;       ///< a, of unit length, or zero beside both; its sign has no meaning
+  /// a, of unit length, or zero beside both. On a limb its sign is arbitrary. On a disc it points as the
+  /// normals.
+  Eigen::Vector3d axis;
   Eigen::Vector3d moment;     ///< s (a × r), where s is 1 on a limb or a disc and falls to 0 beside them
   Eigen::Vector3d direction;  ///< of which rates are measured: a on a limb, t away from the centre on a disc
 };
