@@ -29,15 +29,16 @@ def ends_of(mesh):
     return place <= 0.2, place >= 0.88, length, (length + 1) % 3
 
 
-def disc_of(side, relief):
-    """A square sheet with bumps, 1 across, and the edit of a disc of radius 0.1 in its middle."""
+def disc_of(side, relief, centre=(0, 0)):
+    """A square sheet with bumps, 1 across, and the edit of a disc of radius 0.1 in it."""
     x, y = np.meshgrid(np.linspace(-0.5, 0.5, side), np.linspace(-0.5, 0.5, side))
     z = relief * (np.sin(9 * x) * np.cos(7 * y) + 0.4 * np.sin(23 * x + 1) * np.sin(19 * y))
     points = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
     number = np.arange(side * side).reshape(side, side)
     a, b, c, d = number[:-1, :-1].ravel(), number[:-1, 1:].ravel(), number[1:, 1:].ravel(), number[1:, :-1].ravel()
     mesh = mg.Mesh(points, np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])]))
-    return mesh, (np.abs(points[:, :2]).max(axis=1) > 0.495, np.hypot(points[:, 0], points[:, 1]) < 0.1, 2, 0)
+    return mesh, (np.abs(points[:, :2]).max(axis=1) > 0.495, np.hypot(points[:, 0] - centre[0], points[:, 1] - centre[1]) < 0.1,
+                  2, 0)
 
 
 def pose_of(parts, points, length, across):
@@ -74,8 +75,9 @@ def main():
     centres = parser.parse_args().centres
     edits = [(name, mesh, ends_of(mesh)) for name, resolution in MODELS
              for mesh in [mg.sample(name, resolution=resolution)]]
-    for name, relief in (("sheet with a disc", 0.0025), ("bumpy sheet with a disc", 0.05)):
-        edits.append((name, *disc_of(100, relief)))
+    for name, *of_disc in (("sheet with a disc", 0.0025), ("bumpy sheet with a disc", 0.05),
+                           ("sheet with a disc at (0.2, 0.1)", 0.0025, (0.2, 0.1))):
+        edits.append((name, *disc_of(100, *of_disc)))
     print(f"| K = {centres[0]} {''.join(f'({k})' for k in centres[1:])} | {' | '.join(POSES)} |")
     print("|---|" + "---|" * len(POSES))
     for name, mesh, ends in edits:

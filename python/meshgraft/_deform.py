@@ -392,7 +392,7 @@ class ReducedFrames(_Frames[M]):
 
     @property
     def centres(self) -> int:
-        """Number of points that store the field of maps."""
+        """Number of points with a function of which the field of maps is a sum."""
         return cast(int, self._core.centres())
 
 

@@ -172,32 +172,45 @@ TEST(ReducedFrames, TurnsAreNotReduced) {
   }
 }
 
-TEST(ReducedFrames, ADiscTurnsInABumpySheet) {
+/// The distance of a frame from the exact evaluation, relative to the largest displacement, where a disc turns
+/// in a bumpy sheet. `place` is the disc's centre, × the diagonal and from the middle of the sheet.
+double error_of_turned_disc(const Eigen::RowVector3d& place, DeformMethod method, double angle_deg) {
   const TestMesh mesh = irregular_grid(60, 60);
-  const Eigen::RowVector3d centre = mesh.positions.colwise().mean();
+  const Eigen::RowVector3d middle = mesh.positions.colwise().mean();
+  const Eigen::RowVector3d centre = middle + mesh.box_diagonal() * place;
   Region region{.whole = true};
   region.handles.push_back({.name = "disc"});
   for (Index v = 0; v < mesh.size(); ++v) {
-    const double distance = (mesh.positions.row(v) - centre).norm() / mesh.box_diagonal();
-    if (distance < 0.07) region.handles[0].vertices.push_back(v);
-    if (distance > 0.32) region.fixed.push_back(v);
+    const auto distance = [&](const Eigen::RowVector3d& from) {
+      return (mesh.positions.row(v) - from).norm() / mesh.box_diagonal();
+    };
+    if (distance(centre) < 0.07) region.handles[0].vertices.push_back(v);
+    if (distance(middle) > 0.32) region.fixed.push_back(v);
   }
-  for (const DeformMethod method : methods) {
-    DeformerOptions options;
-    options.method = method;
-    const Deformer deformer(mesh.positions, mesh.triangles, region, options);
-    const ReducedFrames frames(deformer);
-    for (const double angle_deg : {45.0, 90.0, -90.0}) {
-      SCOPED_TRACE(std::string(to_string(method)) + ", " + std::to_string(angle_deg));
-      HandleMotion motion;
-      motion.axis = Vector3d::UnitZ();
-      motion.angle_deg = angle_deg;
-      const std::vector poses{make_pose(motion, centre.transpose())};
-      const Points exact = deformer.evaluate(poses);
-      const double bound = method == DeformMethod::corotational ? 0.05 : 0.02;
-      EXPECT_LE(largest_distance(frames.frame(poses), exact), bound * largest_move(mesh, exact));
-    }
+  DeformerOptions options;
+  options.method = method;
+  const Deformer deformer(mesh.positions, mesh.triangles, region, options);
+  HandleMotion motion;
+  motion.axis = Vector3d::UnitZ();
+  motion.angle_deg = angle_deg;
+  const std::vector poses{make_pose(motion, centre.transpose())};
+  const Points exact = deformer.evaluate(poses);
+  return largest_distance(ReducedFrames(deformer).frame(poses), exact) / largest_move(mesh, exact);
+}
+
+TEST(ReducedFrames, ADiscTurnsInABumpySheet) {
+  for (const double angle_deg : {45.0, 90.0, -90.0}) {
+    EXPECT_LE(error_of_turned_disc({0, 0, 0}, DeformMethod::corotational, angle_deg), 0.05) << angle_deg;
+    EXPECT_LE(error_of_turned_disc({0, 0, 0}, DeformMethod::rotation_aware, angle_deg), 0.02) << angle_deg;
   }
+}
+
+// The strain around such a disc is more than the functions can follow. The error stays bounded.
+TEST(ReducedFrames, ADiscTurnsBesideTheMiddleOfABumpySheet) {
+  for (const double angle_deg : {60.0, 90.0, 120.0})
+    for (const DeformMethod method : methods)
+      EXPECT_LE(error_of_turned_disc({0.12, 0.08, 0}, method, angle_deg), 0.3)
+          << to_string(method) << ", " << angle_deg;
 }
 
 TEST(ReducedFrames, MoreCentresAreNearer) {

@@ -110,10 +110,12 @@ class HandleBasis {
 };
 
 struct ReducedFramesOptions {
-  /// Number of points (centres) that store the field of maps; the field is interpolated between them. Memory
-  /// (12 bytes per vertex and centre) and the time of set-up and frames grow with it, and errors fall.
+  /// Number of points (centres), each with a function of which the field of maps is a sum. Memory (12 bytes per
+  /// vertex and centre) and the time of set-up and frames grow with it, and errors fall.
   Index centres = 128;
-  /// Number of cells per centre. The surface's own rotations are sampled as their mean over each cell.
+  /// Number of samples per centre. The field is fitted to its values at the samples, and the surface's own
+  /// rotations are means over their cells. There are at most 8,192 samples; set-up takes a solve for each, and
+  /// every iteration of a frame a product with a matrix of samples × samples.
   Index samples_per_centre = 4;
 };
 
@@ -124,11 +126,11 @@ void validate(const ReducedFramesOptions& options);
 /// (docs/methods.md has the errors). They serve dragging; let the exact `Deformer::evaluate` follow when the
 /// drag ends.
 ///
-/// The field of maps F on the right-hand side is smooth. A few samples of it, and functions that spread them
-/// as smoothly as possible over the surface, therefore represent the whole field. The solution is linear in
-/// those samples and in the handles' affine maps, and the constructor solves for the vertices' response to
-/// each of them. A frame repeats the method's iterations on the samples alone, which takes a few milliseconds
-/// at any size, and ends with one product. The object keeps no reference to the deformer.
+/// The field of maps F on the right-hand side is smooth. A sum of few functions that are as smooth as possible
+/// over the surface therefore represents the whole field. The solution is linear in their coefficients and in
+/// the handles' affine maps, and the constructor solves for the vertices' response to each of them. A frame
+/// repeats the method's iterations on samples of the surface, which takes a few milliseconds at any size with
+/// the default options, and ends with one product. The object keeps no reference to the deformer.
 class ReducedFrames {
  public:
   /// Throws Error(usage) for a deformer of method `ft05` (`HandleBasis` computes its frames exactly), or with

@@ -122,7 +122,8 @@ void ReducedField::spread_logs(const Context& context) {
 /// Chooses the handles with winding functions, and how many each has. The weights χ of all handles add up to 1
 /// where no map is given without a handle; one of them then says nothing that the others do not.
 void ReducedField::choose_winding() {
-  if (samples_.size() == centres_.size()) return;  // centres are all that is known of the field
+  if (samples_.size() == centres_.size())
+    return;  // no samples beside the centres would tell their coefficients
   for (std::size_t h = 0; h < handle_count_; ++h)
     if (gives_maps_[h]) winding_handles_.push_back(static_cast<Index>(h));
   if (!from_rest_ && !winding_handles_.empty()) winding_handles_.pop_back();
@@ -185,11 +186,12 @@ void ReducedField::join_winding(const Eigen::Ref<const Columns>& of_centres, con
         winding.middleRows(first, count) - centres * at_centres -
         given_weights_.middleRows(first, count) * at_handles;
   });
+  // Between samples the winding functions could be anything.
+  constexpr double share = 0.1;  // chosen: 0.01 does as well
   const std::vector<double>& areas = rotations_->fields().areas();
+  const Eigen::Map<const Eigen::VectorXd> weights(areas.data(), weights_.rows());
   fit_ = fit_functions(weights_(samples_, Eigen::all), areas_,
-                       winding_penalty(weights_, winding.cols(),
-                                       Eigen::Map<const Eigen::VectorXd>(areas.data(), weights_.rows()),
-                                       0.1));  // chosen: 0.01 does as well
+                       square_integrals(weights_.rightCols(winding.cols()), share * weights));
 }
 
 /// Reduces smoothing to the samples: smooth(f)(s) = Σ_c S(s, c) f(c), where S(s, c) is the integral of the
@@ -272,14 +274,16 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   });
   const std::vector<double>& areas = rotations_->fields().areas();
   std::vector<double> at_samples(samples_.size());
-  Eigen::VectorXd at_vertices(twist_weights_.rows());  // of the strain's square
+  Eigen::VectorXd on_discs = Eigen::VectorXd::Zero(twist_weights_.rows());
   for (std::size_t s = 0; s < samples_.size(); ++s)
     at_samples[s] = areas_[s] * limbs.at(samples_[s]).moment.squaredNorm();
-  for (Eigen::Index v = 0; v < at_vertices.size(); ++v)
-    at_vertices[v] = areas[static_cast<std::size_t>(v)] * limbs.at(v).moment.squaredNorm();
+  for (Eigen::Index v = 0; v < on_discs.size(); ++v)
+    if (const LimbPoint at = limbs.at(v); is_on_disc(at))
+      on_discs[v] = areas[static_cast<std::size_t>(v)] * at.moment.squaredNorm();
+  // Around discs, the strain begins and ends more abruptly than the functions can follow. Without the penalty
+  // they would swing between the samples.
   twist_fit_ = fit_functions(twist_weights_(samples_, Eigen::all), at_samples,
-                             winding_penalty(twist_weights_, winding.cols(), at_vertices,
-                                             1e-5));  // chosen: more blurs the ends of limbs
+                             square_integrals(twist_weights_, 1e-2 * on_discs));
   const Columns slopes = limbs.slopes(blend_weights_, context);
   for (const Index v : samples_) sample_limbs_.push_back(limbs.at(v));
   sample_slopes_ = slopes(samples_, Eigen::all);

@@ -59,6 +59,11 @@ class ReducedField {
   void set_base_maps(const Columns& maps) { base_maps_ = cell_means(maps, 3); }
   /// Releases all that only the set-up needs.
   void finish();
+  /// Returns the size of the matrices that frames need.
+  std::int64_t memory_bytes() const {
+    return static_cast<std::int64_t>(sizeof(double)) *
+           (maps_.size() + smoothing_.size() + fit_.size() + twist_fit_.size());
+  }
 
   struct Result {
     Columns coefficients;  ///< width() × 3
@@ -111,7 +116,7 @@ class ReducedField {
 
   // Used by frames.
   std::size_t handle_count_ = 0, winding_count_ = 0;
-  std::size_t twist_centre_count_ = 0;  ///< the first centres, which store the strain of twists
+  std::size_t twist_centre_count_ = 0;  ///< the first centres have functions of the strain of twists, too
   int iterations_ = 0;
   Flags gives_maps_;                           ///< per handle: it constrains transforms of the patch
   std::vector<double> given_areas_;            ///< per handle: area of the vertices whose map it gives

@@ -61,7 +61,9 @@ ReducedFrames::ReducedFrames(const Deformer& deformer, const ReducedFramesOption
   d.centre = system.patch().centre;
   d.scale = system.patch().scale;
   if (system.row_count() == 0) return;
-  const Index samples = options.centres * options.samples_per_centre;
+  constexpr Index most_samples = 8192;
+  const Index samples =
+      std::max(options.centres, std::min(most_samples, options.centres * options.samples_per_centre));
   d.field = std::make_unique<ReducedField>(system, *set_up.rotations, d.handles, set_up.options,
                                            options.centres, samples, context);
   d.solve_responses(system, context);
@@ -196,7 +198,8 @@ Index ReducedFrames::centres() const {
 }
 
 std::int64_t ReducedFrames::memory_bytes() const {
-  return impl_->responses.memory_bytes() + static_cast<std::int64_t>(sizeof(double)) * impl_->base.size();
+  return impl_->responses.memory_bytes() + static_cast<std::int64_t>(sizeof(double)) * impl_->base.size() +
+         (impl_->field ? impl_->field->memory_bytes() : 0);
 }
 
 }  // namespace meshgraft

@@ -35,7 +35,7 @@ Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const
   rows.topRows(samples) = roots.asDiagonal() * at_samples;
   if (penalty.rows() > 0) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(penalty);
-    rows.bottomRows(functions) =
+    rows.bottomRows(penalty.rows()) << Eigen::MatrixXd::Zero(penalty.rows(), functions - penalty.rows()),
         eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
   }
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
@@ -46,13 +46,8 @@ Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const
   return svd.matrixV() * inverse.asDiagonal() * svd.matrixU().topRows(samples).transpose() * roots.asDiagonal();
 }
 
-Eigen::MatrixXd winding_penalty(const Columns& functions, Eigen::Index winding_count,
-                                const Eigen::VectorXd& vertex_weights, double share) {
-  Eigen::MatrixXd penalty = Eigen::MatrixXd::Zero(functions.cols(), functions.cols());
-  const auto winding = functions.rightCols(winding_count);
-  penalty.bottomRightCorner(winding_count, winding_count) =
-      share * winding.transpose() * vertex_weights.asDiagonal() * winding;
-  return penalty;
+Eigen::MatrixXd square_integrals(const Eigen::Ref<const Columns>& functions, const Eigen::VectorXd& weights) {
+  return functions.transpose() * weights.asDiagonal() * functions;
 }
 
 }  // namespace meshgraft

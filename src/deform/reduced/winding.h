@@ -16,15 +16,13 @@ namespace meshgraft {
 Columns winding_functions(const Columns& weights, int degree);
 
 /// Returns the matrix (functions × samples) that fits values at samples by functions with the given values
-/// there (samples × functions). Least squares with weights per sample. `penalty` (functions × functions,
-/// positive semidefinite, or empty) adds cᵀ penalty c for coefficients c. Combinations of functions that
-/// neither sees are left out.
+/// there (samples × functions). Least squares with weights per sample. `penalty` is empty or a positive
+/// semidefinite matrix of the last functions: it adds cᵀ penalty c for their coefficients c. Combinations of
+/// functions that both hardly see are left out.
 Eigen::MatrixXd fit_functions(const Eigen::MatrixXd& at_samples, std::span<const double> sample_weights,
                               const Eigen::MatrixXd& penalty = {});
 
-/// Returns the penalty for a fit of `functions` (vertices × functions), of which the last ones are winding
-/// functions. Between samples those could be anything: a share of the integral of their squares is added.
-Eigen::MatrixXd winding_penalty(const Columns& functions, Eigen::Index winding_count,
-                                const Eigen::VectorXd& vertex_weights, double share);
+/// Returns Σ_v weight_v f_i(v) f_j(v) for functions with these values at vertices (vertices × functions).
+Eigen::MatrixXd square_integrals(const Eigen::Ref<const Columns>& functions, const Eigen::VectorXd& weights);
 
 }  // namespace meshgraft
