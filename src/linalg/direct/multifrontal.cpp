@@ -214,6 +214,7 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
 }
 
 void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& context) const {
+  if (x.rows() == 0) return;
   const SingleThreadedBlas single_threaded(context);
   constexpr Eigen::Index widest = 32;
   for (Eigen::Index begin = 0; begin < x.cols(); begin += widest)
