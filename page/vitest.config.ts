@@ -1,4 +1,15 @@
 import { defineConfig } from "vitest/config";
+import type { Reporter } from "vitest/reporters";
+
+/** Names each test that failed first, with its error and place. tools/run_tests.py repeats these lines at its end. */
+const secondAttempts: Reporter = {
+  onTestCaseResult(test) {
+    if (!test.diagnostic()?.flaky) return;
+    const [error] = test.result().errors ?? [];
+    const place = /[\w/]+\.test\.ts:\d+/.exec(error?.stack ?? "")?.[0].split("/tests/")[1] ?? test.module.moduleId;
+    console.log(`passed at a second attempt: ${place}: ${test.name}: ${error?.message.split("\n")[0] ?? ""}`);
+  },
+};
 
 // tests/unit: logic alone; tests/e2e and tests/long: the built program, with its page in Chromium.
 export default defineConfig({
@@ -12,6 +23,6 @@ export default defineConfig({
     pool: "forks",
     poolOptions: { forks: { singleFork: true } },
     isolate: false,
-    reporters: ["verbose"],
+    reporters: ["verbose", secondAttempts],
   },
 });

@@ -5,9 +5,10 @@
     tools/run_tests.py minimal release  some of them, as `make test` does
 
 While one configuration is tested, the next ones are built: tests wait for pictures, disks and each other, and builds wait
-for downloads. The end names each failed test with a line of its output, then the seconds of the tests of each
-configuration. The last line is "N passed, N failed" over all of them; the exit status is 1 if anything failed. A
-configuration that does not build counts as one failure and does not stop the others.
+for downloads. The end names each failed test with a line of its output and each test that passed only at a second
+attempt, then the seconds of the tests of each configuration. The last line is "N passed, N failed" over all of them;
+the exit status is 1 if anything failed. A configuration that does not build counts as one failure and does not stop the
+others.
 """
 
 import codecs
@@ -32,17 +33,20 @@ CONFIGURATIONS = {
 }
 
 VITEST_PLACE = "❯ "  # before the file, line and column of an error in Vitest's output
+SECOND_ATTEMPT = "passed at a second attempt: "  # before such a test's name in the page's tests (page/vitest.config.ts)
+OUTPUT_SIZE = 1 << 20  # bytes of a test's output that ctest hands on
 
 
 class Count:
-    """How many tests passed, failed and were skipped, and a line for each that failed."""
+    """How many tests passed, failed and were skipped, and a line for each that failed or passed at a second attempt."""
 
-    def __init__(self, passed=0, failed=0, skipped=0, failures=()):
-        self.passed, self.failed, self.skipped, self.failures = passed, failed, skipped, list(failures)
+    def __init__(self, passed=0, failed=0, skipped=0, failures=(), retries=()):
+        self.passed, self.failed, self.skipped = passed, failed, skipped
+        self.failures, self.retries = list(failures), list(retries)
 
     def __add__(self, other):
         return Count(self.passed + other.passed, self.failed + other.failed, self.skipped + other.skipped,
-                     self.failures + other.failures)
+                     self.failures + other.failures, self.retries + other.retries)
 
     def fail(self, failure):
         self.failed += 1
@@ -102,7 +106,9 @@ def read_results(junit):
     count = Count()
     for case in ElementTree.parse(junit).getroot().iter("testcase"):
         skip = case.find("skipped")
-        failure = f"{case.get('name')}: {find_reason(case.findtext('system-out', ''))[:160]}"
+        output = case.findtext("system-out", "")
+        failure = f"{case.get('name')}: {find_reason(output)[:160]}"
+        count.retries += [line[:200] for line in output.splitlines() if line.startswith(SECOND_ATTEMPT)]
         if case.find("failure") is not None:
             count.fail(failure)
         elif case.get("status") == "disabled" or (skip is not None and skip.get("message", "").startswith("SKIP_")):
@@ -133,7 +139,8 @@ def test(preset):
     """Runs the tests of a configuration that is built."""
     junit = ROOT / "build" / preset / "tests.xml"
     junit.unlink(missing_ok=True)
-    succeeded = run("ctest", "--preset", preset, "--output-junit", str(junit))
+    succeeded = run("ctest", "--preset", preset, "--output-junit", str(junit),
+                    "--test-output-size-passed", str(OUTPUT_SIZE))
     count = read_results(junit) if junit.exists() else Count()
     if not succeeded and count.failed == 0:
         count.fail("ctest failed without a failed test")
@@ -170,11 +177,12 @@ def main(names):
                 skipped = f", {count.skipped} skipped" if count.skipped else ""
                 lines.append(f"{name:<12} {count}{skipped} ({time.monotonic() - start:.0f} s)")
                 count.failures = [f"{name}: {failure}" for failure in count.failures]
+                count.retries = [f"{name}: {retry}" for retry in count.retries]
                 total += count
         finally:
             builder.shutdown(cancel_futures=True)
 
-    print("", *total.failures, *lines, sep="\n")
+    print("", *total.failures, *total.retries, *lines, sep="\n")
     if total.skipped:
         print(f"{total.skipped} skipped: see \"Skipped\" above for the reason")
     print(total, flush=True)

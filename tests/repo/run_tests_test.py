@@ -48,6 +48,16 @@ class RunTests(unittest.TestCase):
         count.fail("b: 1 != 2")
         self.assertEqual((run_tests.Count(1) + count).failures, ["b: 1 != 2"])
 
+    def test_second_attempts_are_named(self):
+        line = "passed at a second attempt: e2e/a.test.ts:7: opens: TimeoutError: 60 s"
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "tests.xml"
+            path.write_text(f'<testsuite><testcase name="page/e2e/a" status="run"><system-out>ok\n{line}\nok'
+                            "</system-out></testcase></testsuite>", encoding="utf-8")
+            count = run_tests.read_results(path)
+        self.assertEqual((count.passed, count.retries), (1, [line]))
+        self.assertEqual((run_tests.Count(1) + count).retries, [line])
+
     def test_last_line(self):
         self.assertEqual(str(run_tests.Count(3, 1, 2) + run_tests.Count(1, 0, 0)), "4 passed, 1 failed")
 
