@@ -12,6 +12,7 @@
 
 #include "linalg/blas_threads.h"
 #include "linalg/direct/narrow_solve.h"
+#include "linalg/direct/wide_solve.h"
 #include "matrix_families.h"
 
 namespace meshgraft {
@@ -103,10 +104,10 @@ TEST_F(DenseCholesky, LeavesTheSchurComplementBelow) {
 using Substitution = std::function<void(const double* panel, int rows, int columns, double* x, int width)>;
 
 /// Checks that the product with the factor takes back what a forward substitution does.
-void expect_forward(const Substitution& substitute) {
+void expect_forward(const Substitution& substitute, std::initializer_list<int> widths) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd panel = factorised(front), factor = factor_of(front);
-    for (const int width : {1, 2, 3, 4, 5, 6, 7, 13, 40}) {
+    for (const int width : widths) {
       const MatrixXd before = MatrixXd::Random(front.rows(), width);
       MatrixXd x = before;
       substitute(panel.data(), front.rows(), front.columns, x.data(), width);
@@ -119,10 +120,10 @@ void expect_forward(const Substitution& substitute) {
 }
 
 /// Checks the same of a backward substitution, which keeps the rows below.
-void expect_backward(const Substitution& substitute) {
+void expect_backward(const Substitution& substitute, std::initializer_list<int> widths) {
   for (const DenseFront& front : front_families()) {
     const MatrixXd panel = factorised(front), factor = factor_of(front);
-    for (const int width : {1, 2, 3, 4, 5, 6, 7, 13, 40}) {
+    for (const int width : widths) {
       const MatrixXd before = MatrixXd::Random(front.rows(), width);
       MatrixXd x = before;
       substitute(panel.data(), front.rows(), front.columns, x.data(), width);
@@ -133,23 +134,45 @@ void expect_backward(const Substitution& substitute) {
   }
 }
 
-TEST_F(DenseCholesky, SubstitutesForwardForAnyNumberOfColumns) { expect_forward(solve_panel); }
-
-TEST_F(DenseCholesky, SubstitutesBackwardForAnyNumberOfColumns) { expect_backward(solve_panel_transposed); }
-
-TEST_F(DenseCholesky, SubstitutesNarrowlyWithEachOfTheProcessorsInstructions) {
+/// Runs `test` with each of the processor's sets of instructions.
+void for_all_instructions(const std::function<void(platform::VectorInstructions)>& test) {
   using platform::VectorInstructions;
   for (const auto instructions :
        {VectorInstructions::baseline, VectorInstructions::avx2, VectorInstructions::avx512}) {
     if (instructions > platform::vector_instructions()) continue;
     SCOPED_TRACE(static_cast<int>(instructions));
-    expect_forward([&](const double* panel, int rows, int columns, double* x, int width) {
-      solve_narrow_panel(panel, rows, columns, x, width, instructions);
-    });
-    expect_backward([&](const double* panel, int rows, int columns, double* x, int width) {
-      solve_narrow_panel_transposed(panel, rows, columns, x, width, instructions);
-    });
+    test(instructions);
   }
+}
+
+TEST_F(DenseCholesky, SubstitutesNarrowlyForAnyNumberOfColumns) {
+  for_all_instructions([](platform::VectorInstructions instructions) {
+    const auto widths = {1, 2, 3, 4, 5, 6, 7, 13, 40};
+    expect_forward([&](const double* panel, int rows, int columns, double* x,
+                       int width) { solve_narrow_panel(panel, rows, columns, x, width, instructions); },
+                   widths);
+    expect_backward(
+        [&](const double* panel, int rows, int columns, double* x, int width) {
+          solve_narrow_panel_transposed(panel, rows, columns, x, width, instructions);
+        },
+        widths);
+  });
+}
+
+TEST_F(DenseCholesky, SubstitutesWidelyRowByRow) {
+  for_all_instructions([](platform::VectorInstructions instructions) {
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, wide, Eigen::RowMajor>;
+    const auto row_by_row = [&](const auto& solve) {
+      return [&](const double* panel, int rows, int columns, double* x, int width) {
+        Eigen::Map<MatrixXd> by_columns(x, rows, width);
+        Rows by_rows = by_columns;
+        solve(panel, rows, columns, by_rows.data(), instructions);
+        by_columns = by_rows;
+      };
+    };
+    expect_forward(row_by_row(solve_wide_panel), {wide});
+    expect_backward(row_by_row(solve_wide_panel_transposed), {wide});
+  });
 }
 
 TEST_F(DenseCholesky, HasTheSameBytesForAnyNumberOfThreads) {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "narrow_solve.h"
 
 // BLAS and LAPACK under their Fortran names. The lengths of their one-letter strings are not read.
 // NOLINTBEGIN(readability-identifier-naming)
@@ -92,35 +91,6 @@ int factorise_panel(double* panel, int rows, int columns, const Context& context
 void form_update(const double* panel, int rows, int columns, double* update, const Context& context) {
   const int below = rows - columns;
   if (below > 0) update_lower(panel + columns, rows, below, below, columns, zero, update, below, context);
-}
-
-namespace {
-
-/// Returns whether the kernels for few right-hand sides are faster than BLAS, which packs the panel first.
-bool is_narrow(int rows, int columns, int width) {
-  constexpr int few_columns = 16;
-  constexpr std::int64_t small_panel = 50'000;
-  return width <= few_columns || static_cast<std::int64_t>(rows) * columns <= small_panel;
-}
-
-}  // namespace
-
-void solve_panel(const double* panel, int rows, int columns, double* x, int width) {
-  if (is_narrow(rows, columns, width)) return solve_narrow_panel(panel, rows, columns, x, width);
-  const int below = rows - columns;
-  dtrsm_("L", "L", "N", "N", &columns, &width, &one, panel, &rows, x, &rows);
-  if (below > 0)
-    dgemm_("N", "N", &below, &width, &columns, &minus_one, panel + columns, &rows, x, &rows, &one, x + columns,
-           &rows);
-}
-
-void solve_panel_transposed(const double* panel, int rows, int columns, double* x, int width) {
-  if (is_narrow(rows, columns, width)) return solve_narrow_panel_transposed(panel, rows, columns, x, width);
-  const int below = rows - columns;
-  if (below > 0)
-    dgemm_("T", "N", &columns, &width, &below, &minus_one, panel + columns, &rows, x + columns, &rows, &one, x,
-           &rows);
-  dtrsm_("L", "L", "T", "N", &columns, &width, &one, panel, &rows, x, &rows);
 }
 
 }  // namespace meshgraft

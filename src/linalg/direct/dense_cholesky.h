@@ -16,10 +16,4 @@ int factorise_panel(double* panel, int rows, int columns, const Context& context
 /// Computes update = −L₂₁ L₂₁ᵀ (lower triangle) for the rows below the first `columns` of a factorised panel.
 void form_update(const double* panel, int rows, int columns, double* update, const Context& context);
 
-/// Computes x₁ ← L₁₁⁻¹ x₁, then x₂ ← x₂ − L₂₁ x₁. x is rows×width, column-major.
-void solve_panel(const double* panel, int rows, int columns, double* x, int width);
-
-/// Computes x₁ ← L₁₁⁻ᵀ (x₁ − L₂₁ᵀ x₂).
-void solve_panel_transposed(const double* panel, int rows, int columns, double* x, int width);
-
 }  // namespace meshgraft

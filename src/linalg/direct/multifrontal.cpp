@@ -15,6 +15,8 @@
 #include "dense_cholesky.h"
 #include "linalg/blas_threads.h"
 #include "linalg/facts.h"
+#include "narrow_solve.h"
+#include "wide_solve.h"
 
 namespace meshgraft {
 
@@ -213,18 +215,68 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Cont
   return x;
 }
 
+namespace {
+
+// How a front stores its right-hand sides, and the kernels for that.
+
+/// Column by column, for few right-hand sides.
+struct NarrowLayout {
+  int width;
+
+  std::int64_t size(int rows) const { return static_cast<std::int64_t>(rows) * width; }
+  std::int64_t at(int rows, int row, int column) const {
+    return row + static_cast<std::int64_t>(column) * rows;
+  }
+  void solve(const double* panel, int rows, int columns, double* x) const {
+    solve_narrow_panel(panel, rows, columns, x, width);
+  }
+  void solve_transposed(const double* panel, int rows, int columns, double* x) const {
+    solve_narrow_panel_transposed(panel, rows, columns, x, width);
+  }
+};
+
+/// Row by row, for many. Rows are padded.
+struct WideLayout {
+  int width;
+
+  std::int64_t size(int rows) const { return static_cast<std::int64_t>(rows) * wide; }
+  std::int64_t at(int, int row, int column) const { return static_cast<std::int64_t>(row) * wide + column; }
+  void solve(const double* panel, int rows, int columns, double* x) const {
+    solve_wide_panel(panel, rows, columns, x);
+  }
+  void solve_transposed(const double* panel, int rows, int columns, double* x) const {
+    solve_wide_panel_transposed(panel, rows, columns, x);
+  }
+};
+
+}  // namespace
+
 void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& context) const {
   if (x.rows() == 0) return;
-  const SingleThreadedBlas single_threaded(context);
-  constexpr Eigen::Index widest = 32;
-  for (Eigen::Index begin = 0; begin < x.cols(); begin += widest)
-    substitute(x.middleCols(begin, std::min(widest, x.cols() - begin)), context);
+  constexpr int few = 12;  // chosen: two passes for six right-hand sides each take as long as a wide one
+  for (Eigen::Index begin = 0; begin < x.cols(); begin += wide) {
+    const auto width = static_cast<int>(std::min<Eigen::Index>(wide, x.cols() - begin));
+    if (width <= few)
+      substitute(x.middleCols(begin, width), NarrowLayout{width}, context);
+    else
+      substitute(x.middleCols(begin, width), WideLayout{width}, context);
+  }
 }
 
 /// Computes x ← P L⁻ᵀ L⁻¹ Pᵀ x. A front reads all right-hand sides of an unknown at once, because x is stored
 /// row by row.
-void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Context& context) const {
-  const auto width = static_cast<int>(x.cols());
+template <class Layout>
+void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout,
+                                    const Context& context) const {
+  const int width = layout.width;
+  const auto read_row = [&](int position, const Front& f, int row, double* values) {
+    const double* from = &x(pattern_.order[position], 0);
+    for (int c = 0; c < width; ++c) values[layout.at(f.rows, row, c)] = from[c];
+  };
+  const auto write_row = [&](const Front& f, int row, const double* values) {
+    double* to = &x(pattern_.order[f.first + row], 0);
+    for (int c = 0; c < width; ++c) to[c] = values[layout.at(f.rows, row, c)];
+  };
   struct Scratch {
     std::vector<int> rows;
     std::vector<double> values;
@@ -235,13 +287,9 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Cont
   forest_.visit_up(
       [&](int node) {
         const Front f = front(node);
-        fronts[node].reset(new double[static_cast<std::size_t>(f.rows) * width]);
+        fronts[node].reset(new double[layout.size(f.rows)]());
         double* values = fronts[node].get();
-        for (int c = 0; c < width; ++c) {
-          double* own = values + static_cast<std::int64_t>(c) * f.rows;
-          for (int r = 0; r < f.columns; ++r) own[r] = x(pattern_.order[f.first + r], c);
-          std::fill_n(own + f.columns, f.below(), 0.0);
-        }
+        for (int r = 0; r < f.columns; ++r) read_row(f.first + r, f, r, values);
         std::vector<int>& rows = scratches.local().rows;
         for (const int child : children_[node]) {
           const Front g = front(child);
@@ -250,31 +298,24 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Cont
             while (f.positions[k] < g.positions[g.columns + r]) ++k;
             rows[r] = k;
           }
-          for (int c = 0; c < width; ++c) {
-            double* sum = values + static_cast<std::int64_t>(c) * f.rows;
-            const double* update = fronts[child].get() + static_cast<std::int64_t>(c) * g.rows + g.columns;
-            for (int r = 0; r < g.below(); ++r) sum[rows[r]] += update[r];
-          }
+          const double* updates = fronts[child].get();
+          for (int r = 0; r < g.below(); ++r)
+            for (int c = 0; c < width; ++c)
+              values[layout.at(f.rows, rows[r], c)] += updates[layout.at(g.rows, g.columns + r, c)];
           fronts[child].reset();
         }
-        solve_panel(f.panel, f.rows, f.columns, values, width);
-        for (int r = 0; r < f.columns; ++r)
-          for (int c = 0; c < width; ++c)
-            x(pattern_.order[f.first + r], c) = values[r + static_cast<std::int64_t>(c) * f.rows];
+        layout.solve(f.panel, f.rows, f.columns, values);
+        for (int r = 0; r < f.columns; ++r) write_row(f, r, values);
       },
       context);
   forest_.visit_down(
       [&](int node) {
         const Front f = front(node);
         std::vector<double>& values = scratches.local().values;
-        values.resize(static_cast<std::size_t>(f.rows) * width);
-        for (int r = 0; r < f.rows; ++r)
-          for (int c = 0; c < width; ++c)
-            values[r + static_cast<std::int64_t>(c) * f.rows] = x(pattern_.order[f.positions[r]], c);
-        solve_panel_transposed(f.panel, f.rows, f.columns, values.data(), width);
-        for (int r = 0; r < f.columns; ++r)
-          for (int c = 0; c < width; ++c)
-            x(pattern_.order[f.first + r], c) = values[r + static_cast<std::int64_t>(c) * f.rows];
+        values.resize(layout.size(f.rows));
+        for (int r = 0; r < f.rows; ++r) read_row(f.positions[r], f, r, values.data());
+        layout.solve_transposed(f.panel, f.rows, f.columns, values.data());
+        for (int r = 0; r < f.columns; ++r) write_row(f, r, values.data());
       },
       context);
 }

@@ -40,7 +40,8 @@ class MultifrontalFactor {
   void add_updates(int node, int from, int to, const std::vector<int>& row_at, const Elimination& elimination,
                    double* target, int shift, int stride) const;
   void eliminate(int node, std::vector<int>& row_at, Elimination& elimination, const Context& context) const;
-  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Context& context) const;
+  template <class Layout>
+  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout, const Context& context) const;
 
   SupernodalPattern pattern_;
   std::vector<int> inverse_permutation_;   ///< per unknown: its position

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
+
+#include "lanes.h"
 
 namespace meshgraft {
 
@@ -11,32 +12,6 @@ namespace {
 constexpr int strip = 4;   ///< columns of the panel processed together
 constexpr int widest = 6;  ///< right-hand sides processed together
 constexpr int line = 8;    ///< values in a cache line
-
-// The functions below are inlined into one entry point for each set of instructions, which compiles them for
-// it.
-#define MESHGRAFT_INLINE [[gnu::always_inline]] inline
-
-/// `lanes` values that are computed together.
-template <int lanes>
-struct Vector {
-  using Type [[gnu::vector_size(lanes * sizeof(double))]] = double;
-};
-template <>
-struct Vector<1> {
-  using Type = double;
-};
-template <int lanes>
-using Lanes = typename Vector<lanes>::Type;
-
-template <int lanes>
-MESHGRAFT_INLINE void load(const double* from, Lanes<lanes>& values) {
-  std::memcpy(&values, from, sizeof(values));
-}
-
-template <int lanes>
-MESHGRAFT_INLINE void store(const Lanes<lanes>& values, double* to) {
-  std::memcpy(to, &values, sizeof(values));
-}
 
 /// Prefetches a cache line of each column of the strip that lies `by` columns further on. The runs are too
 /// short for the hardware prefetcher. Addresses may lie outside of the panel: a prefetch reads nothing.
@@ -142,8 +117,6 @@ MESHGRAFT_INLINE void solve_backward(const double* panel, int rows, int columns,
                                                 first - strip, x);
 }
 
-enum class Direction { forward, backward };
-
 template <int lanes, int width>
 MESHGRAFT_INLINE void solve_columns(Direction direction, const double* panel, int rows, int columns,
                                     double* x) {
@@ -183,8 +156,6 @@ void solve_baseline(Direction direction, const double* panel, int rows, int colu
 #else
 constexpr auto *solve_avx2 = solve_baseline, *solve_avx512 = solve_baseline;
 #endif
-
-#undef MESHGRAFT_INLINE
 
 void solve_all(Direction direction, const double* panel, int rows, int columns, double* x, int width,
                platform::VectorInstructions instructions) {

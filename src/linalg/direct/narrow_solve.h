@@ -4,15 +4,15 @@
 
 namespace meshgraft {
 
-// Substitution for few right-hand sides or a small panel. Reading the panel takes the time then, and up to six
-// right-hand sides share it. BLAS would pack the panel first. The last bits of a result depend on the vector
-// instructions, which are by default the widest that the processor has.
+// Substitution for few right-hand sides. Reading the panel takes the time then, and up to six right-hand sides
+// share it. BLAS would pack the panel first. The last bits of a result depend on the vector instructions, which
+// are by default the widest that the processor has.
 
-/// Does what `solve_panel` does.
+/// Computes x₁ ← L₁₁⁻¹ x₁, then x₂ ← x₂ − L₂₁ x₁. `panel` is rows×columns and x rows×width, both column-major.
 void solve_narrow_panel(const double* panel, int rows, int columns, double* x, int width,
                         platform::VectorInstructions instructions = platform::vector_instructions());
 
-/// Does what `solve_panel_transposed` does.
+/// Computes x₁ ← L₁₁⁻ᵀ (x₁ − L₂₁ᵀ x₂).
 void solve_narrow_panel_transposed(const double* panel, int rows, int columns, double* x, int width,
                                    platform::VectorInstructions instructions = platform::vector_instructions());
 
