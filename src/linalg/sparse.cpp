@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/platform/processor.h"
 #include "core/sparse_checks.h"
+#include "lanes.h"
 #include "sparse_products.h"
 
 namespace meshgraft {
@@ -16,49 +18,137 @@ namespace {
 
 enum class Result { set, add };
 
-/// Computes columns [first, first + width) of y = a·x or y ← y + a·x, from those `skipped` further on in x.
-template <int width, Result result>
-void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Eigen::Index first,
-                      Columns& y, const Context& context) {
-  using Row = Eigen::Matrix<double, 1, width>;
-  constexpr Eigen::Index entries_at_once = 32'768;
-  const std::size_t rows_at_once =
-      std::clamp<Eigen::Index>(entries_at_once * a.rows() / std::max<Eigen::Index>(a.nonZeros(), 1), 16, 4096);
-  parallel_blocks(
-      a.rows(),
-      [&](std::size_t begin, std::size_t end) {
-        for (auto row = static_cast<Eigen::Index>(begin); row < static_cast<Eigen::Index>(end); ++row) {
-          auto out = y.row(row).template segment<width>(first);
-          Row sum = Row::Zero();
-          for (SparseRows::InnerIterator it(a, row); it; ++it)
-            sum += it.value() * x.row(it.col()).template segment<width>(skipped + first);
-          if constexpr (result == Result::add) sum += out;
-          out = sum;
-        }
-      },
-      context, rows_at_once);
+/// Rows [begin, end) of a sparse matrix and some columns of dense ones, stored row by row.
+struct RowProduct {
+  Eigen::Index begin, end;
+  const int* outer;
+  const int* inner;
+  const double* values;
+  const double* x;
+  Eigen::Index x_stride;
+  double* y;
+  Eigen::Index y_stride;
+};
+
+/// Computes y = a·x or y ← y + a·x for lanes·vectors columns.
+template <int lanes, int vectors, Result result>
+MESHGRAFT_INLINE void multiply_rows(const RowProduct& p) {
+  for (Eigen::Index row = p.begin; row < p.end; ++row) {
+    Lanes<lanes> sum[vectors] = {};
+    for (int e = p.outer[row]; e < p.outer[row + 1]; ++e) {
+      const double value = p.values[e];
+      const double* from = p.x + p.inner[e] * p.x_stride;
+      for (int v = 0; v < vectors; ++v) {
+        Lanes<lanes> part;
+        load<lanes>(from + v * lanes, part);
+        sum[v] += value * part;
+      }
+    }
+    double* to = p.y + row * p.y_stride;
+    for (int v = 0; v < vectors; ++v) {
+      if constexpr (result == Result::add) {
+        Lanes<lanes> before;
+        load<lanes>(to + v * lanes, before);
+        sum[v] += before;
+      }
+      store<lanes>(sum[v], to + v * lanes);
+    }
+  }
 }
 
-/// Does the same for all columns. Widths are compile-time constants, so that sums stay in registers and no row
-/// allocates memory.
+/// Does the same for three columns, in four lanes. The fourth is the next row's first number, of no use.
+template <Result result>
+MESHGRAFT_INLINE void multiply_rows_of_three(const RowProduct& p, const double* x_end) {
+  for (Eigen::Index row = p.begin; row < p.end; ++row) {
+    Lanes<4> sum = {};
+    for (int e = p.outer[row]; e < p.outer[row + 1]; ++e) {
+      const double* from = p.x + p.inner[e] * p.x_stride;
+      Lanes<4> part;
+      if (from + 4 <= x_end)
+        load<4>(from, part);
+      else
+        part = Lanes<4>{from[0], from[1], from[2], 0};
+      sum += p.values[e] * part;
+    }
+    double* to = p.y + row * p.y_stride;
+    for (int c = 0; c < 3; ++c) to[c] = result == Result::add ? to[c] + sum[c] : sum[c];
+  }
+}
+
+/// Calls the kernel for a number of columns: 32, 16, 8, 4, 3 or 1.
+template <int widest, Result result>
+MESHGRAFT_INLINE void multiply_rows_of(int width, RowProduct p, const double* x_end) {
+  switch (width) {
+    case 32:
+      if constexpr (widest > 2) return multiply_rows<widest, 32 / widest, result>(p);
+      multiply_rows<widest, 16 / widest, result>(p);
+      p.x += 16;
+      p.y += 16;
+      return multiply_rows<widest, 16 / widest, result>(p);
+    case 16: return multiply_rows<widest, 16 / widest, result>(p);
+    case 8: return multiply_rows<widest, 8 / widest, result>(p);
+    case 4: return multiply_rows<std::min(widest, 4), 4 / std::min(widest, 4), result>(p);
+    case 3:
+      if constexpr (widest > 2) return multiply_rows_of_three<result>(p, x_end);
+      return multiply_rows<1, 3, result>(p);
+    default: return multiply_rows<1, 1, result>(p);
+  }
+}
+
+template <Result result>
+void multiply_baseline(int width, const RowProduct& p, const double* x_end) {
+  multiply_rows_of<2, result>(width, p, x_end);
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+template <Result result>
+[[gnu::target("avx2,fma")]] void multiply_avx2(int width, const RowProduct& p, const double* x_end) {
+  multiply_rows_of<4, result>(width, p, x_end);
+}
+
+template <Result result>
+[[gnu::target("avx512f,avx512vl,fma")]] void multiply_avx512(int width, const RowProduct& p,
+                                                             const double* x_end) {
+  multiply_rows_of<8, result>(width, p, x_end);
+}
+#else
+template <Result result>
+constexpr auto *multiply_avx2 = multiply_baseline<result>,
+               *multiply_avx512 = multiply_baseline<result>;
+#endif
+
+/// Computes all columns of y = a·x or y ← y + a·x, from those `skipped` further on in x. Widths are
+/// compile-time constants, so that sums stay in registers. The last bits depend on the processor's vector
+/// instructions.
 template <Result result>
 void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Columns& y,
                           const Context& context) {
-  Eigen::Index first = 0;
-  while (const Eigen::Index left = y.cols() - first) {
-    if (left == 3) {
-      multiply_columns<3, result>(a, x, skipped, first, y, context);
-      first += 3;
-    } else if (left >= 8) {
-      multiply_columns<8, result>(a, x, skipped, first, y, context);
-      first += 8;
-    } else if (left >= 4) {
-      multiply_columns<4, result>(a, x, skipped, first, y, context);
-      first += 4;
-    } else {
-      multiply_columns<1, result>(a, x, skipped, first, y, context);
-      first += 1;
+  const auto kernel = [] {
+    switch (platform::vector_instructions()) {
+      case platform::VectorInstructions::avx512: return multiply_avx512<result>;
+      case platform::VectorInstructions::avx2: return multiply_avx2<result>;
+      default: return multiply_baseline<result>;
     }
+  }();
+  constexpr Eigen::Index entries_at_once = 32'768;
+  const std::size_t rows_at_once =
+      std::clamp<Eigen::Index>(entries_at_once * a.rows() / std::max<Eigen::Index>(a.nonZeros(), 1), 16, 4096);
+  for (Eigen::Index first = 0; first < y.cols();) {
+    const Eigen::Index left = y.cols() - first;
+    int width = 3;
+    if (left != width)
+      for (width = 32; width > left || width == 2;) width /= 2;
+    parallel_blocks(
+        a.rows(),
+        [&](std::size_t begin, std::size_t end) {
+          kernel(width,
+                 {static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end), a.outerIndexPtr(),
+                  a.innerIndexPtr(), a.valuePtr(), x.data() + skipped + first, x.cols(), y.data() + first,
+                  y.cols()},
+                 x.data() + x.size());
+        },
+        context, rows_at_once);
+    first += width;
   }
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "lanes.h"
+#include "linalg/lanes.h"
 
 namespace meshgraft {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "lanes.h"
+#include "linalg/lanes.h"
 
 namespace meshgraft {
 
