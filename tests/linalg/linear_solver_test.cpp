@@ -44,6 +44,22 @@ TEST_P(EveryBackend, TakesNewValuesWithoutAnotherAnalysis) {
   EXPECT_LT((solver->solve(rhs) - ones).norm(), 1e-6);
 }
 
+TEST_P(EveryBackend, FactorisesAlikeWhenTheMatrixIsFreed) {
+  const NormalMatrix matrix = grid_matrix(40);
+  const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(matrix.rows(), 3);
+  auto solver = make_solver(GetParam());
+  solver->analyse(matrix);
+  solver->factorise(matrix);
+  const Eigen::MatrixXd x = solver->solve(rhs);
+  NormalMatrix copy = matrix;
+  solver->factorise_and_free(copy);
+  EXPECT_EQ(copy.data().allocatedSize(), 0);
+  EXPECT_EQ(solver->solve(rhs), x);
+  LinearSolver::Rows in_place = rhs;
+  solver->solve_in_place(in_place);
+  EXPECT_EQ(Eigen::MatrixXd(in_place), x);
+}
+
 TEST_P(EveryBackend, RefusesWhatIsNotPositiveDefinite) {
   const NormalMatrix matrix = grid_matrix(6, 0.0) * -1.0;
   auto solver = make_solver(GetParam());

@@ -100,6 +100,12 @@ class LinearSolver {
   /// N is not.
   virtual void factorise(const NormalMatrix& lower, const Context& context = {}) = 0;
 
+  /// Does the same and empties `lower` as soon as it has been read. Its memory is free for the factor then.
+  virtual void factorise_and_free(NormalMatrix& lower, const Context& context = {}) {
+    factorise(lower, context);
+    NormalMatrix().swap(lower);
+  }
+
   /// Solves for all columns of `rhs` (unknowns×k) and returns unknowns×k. Safe to call from several threads
   /// at once.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context = {}) const {

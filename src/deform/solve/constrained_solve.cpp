@@ -134,16 +134,18 @@ ConstrainedSystem::Rows ConstrainedSystem::residual_rows(const Rows& rhs, const 
 Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const {
   const double tolerance = steps.corrections > 0 ? tolerance_with_corrections : tolerance_without_corrections;
   SolveOptions options{.tolerance = std::pow(tolerance, 1.0 / (1 + steps.corrections))};
-  const auto back_substitute = [&](const Rows& rows) {
-    Columns side = apply_transposed(rows, context);
+  const auto back_substitute = [&](Columns side) {
     solver_->solve_in_place(side, options, context);
     return side;
+  };
+  const auto correction = [&](const Columns& of) {
+    return back_substitute(apply_transposed(residual_rows(rhs, of, context), context));
   };
   const bool is_guessed = steps.guess != nullptr && steps.guess->rows() == E_.cols();
   int corrections = steps.corrections;
   Columns y;
   if (is_guessed && !is_iterative()) {
-    const Columns change = back_substitute(residual_rows(rhs, *steps.guess, context));
+    const Columns change = correction(*steps.guess);
     y = *steps.guess + change;
     if (change.norm() <= small_change * y.norm()) --corrections;
   } else {
@@ -152,10 +154,10 @@ Columns ConstrainedSystem::solve(const Rows& rhs, const SolveSteps& steps, const
       guess = *steps.guess;
       options.guess = &guess;
     }
-    y = back_substitute(rhs);
+    y = back_substitute(apply_transposed(rhs, context));
     options.guess = nullptr;
   }
-  for (; corrections > 0; --corrections) y += back_substitute(residual_rows(rhs, y, context));
+  for (; corrections > 0; --corrections) y += correction(y);
   impose_similarities(y);
   return y;
 }

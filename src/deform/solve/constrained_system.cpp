@@ -330,12 +330,12 @@ void ConstrainedSystem::factorise(const DeformerOptions& options, DeformerSummar
   const OrderingGraph graph = ordering_graph();
   solver_->analyse(normal, graph, context);
   summary.analyse_seconds = watch.lap();
-  solver_->factorise(normal, context);
+  solver_->factorise_and_free(normal, context);
   if (!anchors_.empty() && options.operators.density == Density::aware) {
     weigh_anchors(context);
     normal = normal_matrix(context);
     normal_one_norm_ = one_norm(normal);
-    solver_->factorise(normal, context);
+    solver_->factorise_and_free(normal, context);
   }
   summary.factorise_seconds = watch.lap();
   summary.solver = solver_->statistics();

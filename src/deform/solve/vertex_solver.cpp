@@ -49,16 +49,17 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows,
 
 std::unique_ptr<LinearSolver> factorise_vertices(const SparseRows& rows, const OrderingGraph& graph,
                                                  SolverBackend backend, const Context& context) {
-  const NormalMatrix matrix = square_part(rows, graph.group, context);
+  NormalMatrix matrix = square_part(rows, graph.group, context);
   auto solver = make_solver(backend);
   solver->analyse(matrix, graph, context);
-  solver->factorise(matrix, context);
+  solver->factorise_and_free(matrix, context);
   return solver;
 }
 
 void factorise_vertices(const SparseRows& rows, const std::vector<Index>& unknown, LinearSolver& analysed,
                         const Context& context) {
-  analysed.factorise(square_part(rows, unknown, context), context);
+  NormalMatrix matrix = square_part(rows, unknown, context);
+  analysed.factorise_and_free(matrix, context);
 }
 
 }  // namespace meshgraft

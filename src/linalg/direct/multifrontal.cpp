@@ -186,10 +186,13 @@ void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Eliminati
   for (const int child : children_[node]) elimination.store.give_back(std::move(elimination.updates[child]));
 }
 
-void MultifrontalFactor::factorise(const NormalMatrix& lower, const Context& context) {
+LowerEntries MultifrontalFactor::permuted(const NormalMatrix& lower, const Context& context) const {
+  return permute(lower, inverse_permutation_, true, context);
+}
+
+void MultifrontalFactor::factorise(LowerEntries entries, const Context& context) {
   const SingleThreadedBlas single_threaded(context);
-  Elimination elimination{
-      .entries = permute(lower, inverse_permutation_, true, context), .store = {}, .updates = {}};
+  Elimination elimination{.entries = std::move(entries), .store = {}, .updates = {}};
   elimination.updates.resize(parent_.size());
   values_.reset(new double[panel_begin_.back()]);
   const auto unknowns = static_cast<double>(pattern_.order.size());

@@ -21,8 +21,10 @@ class MultifrontalFactor {
  public:
   explicit MultifrontalFactor(SupernodalPattern pattern);
 
+  /// Returns the entries of N by position, as `factorise` reads them.
+  LowerEntries permuted(const NormalMatrix& lower, const Context& context) const;
   /// Throws Error(unsolvable) if N is not positive definite.
-  void factorise(const NormalMatrix& lower, const Context& context);
+  void factorise(LowerEntries entries, const Context& context);
 
   /// Returns N⁻¹ times all columns of `rhs`. Safe to call from several threads at once.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const;

@@ -1,4 +1,5 @@
 #include <optional>
+#include <utility>
 
 #include "dissection.h"
 #include "graph_partition.h"
@@ -33,8 +34,14 @@ class MultifrontalSolver final : public LinearSolver {
 
   void factorise(const NormalMatrix& lower, const Context& context) override {
     context.step("factorise", 0);
-    factor_->factorise(lower, context);
-    statistics_.peak_memory_bytes = factor_->peak_bytes();
+    factorise(factor_->permuted(lower, context), context);
+  }
+
+  void factorise_and_free(NormalMatrix& lower, const Context& context) override {
+    context.step("factorise", 0);
+    LowerEntries entries = factor_->permuted(lower, context);
+    NormalMatrix().swap(lower);
+    factorise(std::move(entries), context);
   }
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions&,
@@ -49,6 +56,11 @@ class MultifrontalSolver final : public LinearSolver {
   SolverStatistics statistics() const override { return statistics_; }
 
  private:
+  void factorise(LowerEntries entries, const Context& context) {
+    factor_->factorise(std::move(entries), context);
+    statistics_.peak_memory_bytes = factor_->peak_bytes();
+  }
+
   /// Chooses the ordering that is fastest for the size of the matrix (docs/performance.md).
   SupernodalPattern find_pattern(const NormalMatrix& lower, const OrderingGraph& graph,
                                  const Context& context) {

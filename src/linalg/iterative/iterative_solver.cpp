@@ -85,35 +85,29 @@ class IterativeSolver final : public LinearSolver {
   void factorise(const NormalMatrix& lower, const Context& context) override {
     context.step("factorise");
     matrix_->set_values(lower, context);
-    context.step("factorise", 0.3);
-    const NormalMatrix coarse = coarse_space_->restrict_matrix(*matrix_, context);
-    context.step("factorise", 0.6);
-    coarse_solver_ = make_solver(available_backends().front());
-    coarse_solver_->analyse(coarse, coarse_space_->ordering_graph(coarse_neighbours_),
-                            {.threads = context.threads, .stop_token = context.stop_token});
-    coarse_solver_->factorise(coarse, {.threads = context.threads, .stop_token = context.stop_token});
-    context.step("factorise", 1.0);
+    factorise_coarse(context);
+  }
 
-    const SolverStatistics of_coarse = coarse_solver_->statistics();
-    statistics_.ordering = of_coarse.ordering;
-    statistics_.factor_nonzeros = of_coarse.factor_nonzeros;
-    statistics_.factor_flops = of_coarse.factor_flops;
-    statistics_.operator_complexity = 1 + static_cast<double>(coarse.nonZeros()) /
-                                              static_cast<double>(std::max<std::int64_t>(1, lower.nonZeros()));
-    statistics_.peak_memory_bytes = matrix_->bytes() + coarse_space_->bytes() + of_coarse.peak_memory_bytes;
+  void factorise_and_free(NormalMatrix& lower, const Context& context) override {
+    context.step("factorise");
+    matrix_->set_values(lower, context);
+    NormalMatrix().swap(lower);
+    factorise_coarse(context);
   }
 
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const SolveOptions& options,
                         const Context& context) const override {
+    Rows x = rhs;
+    solve_in_place(x, options, context);
+    return x;
+  }
+
+  void solve_in_place(Rows& x, const SolveOptions& options, const Context& context) const override {
     const SingleThreadedBlas single_threaded(context);  // once, not in every coarse solve
-    Eigen::MatrixXd solution(rhs.rows(), rhs.cols());
     int iterations = 0;
-    for (Eigen::Index first = 0; first < rhs.cols(); first += 4) {
-      const Eigen::Index columns = std::min<Eigen::Index>(4, rhs.cols() - first);
-      iterations = std::max(iterations, solve_four(rhs, first, columns, options, solution, context));
-    }
+    for (Eigen::Index first = 0; first < x.cols(); first += 4)
+      iterations = std::max(iterations, solve_four(x, first, options, context));
     iterations_ = iterations;
-    return solution;
   }
 
   SolverStatistics statistics() const override {
@@ -123,9 +117,31 @@ class IterativeSolver final : public LinearSolver {
   }
 
  private:
-  FourColumns to_rows(const Eigen::MatrixXd& values, Eigen::Index first, Eigen::Index columns,
-                      const Context& context) const {
+  void factorise_coarse(const Context& context) {
+    context.step("factorise", 0.3);
+    NormalMatrix coarse = coarse_space_->restrict_matrix(*matrix_, context);
+    context.step("factorise", 0.6);
+    coarse_solver_ = make_solver(available_backends().front());
+    coarse_solver_->analyse(coarse, coarse_space_->ordering_graph(coarse_neighbours_),
+                            {.threads = context.threads, .stop_token = context.stop_token});
+    const auto coarse_nonzeros = static_cast<double>(coarse.nonZeros());
+    coarse_solver_->factorise_and_free(coarse, {.threads = context.threads, .stop_token = context.stop_token});
+    context.step("factorise", 1.0);
+
+    const SolverStatistics of_coarse = coarse_solver_->statistics();
+    statistics_.ordering = of_coarse.ordering;
+    statistics_.factor_nonzeros = of_coarse.factor_nonzeros;
+    statistics_.factor_flops = of_coarse.factor_flops;
+    statistics_.operator_complexity =
+        1 + coarse_nonzeros / static_cast<double>(std::max<std::int64_t>(1, statistics_.matrix_nonzeros));
+    statistics_.peak_memory_bytes = matrix_->bytes() + coarse_space_->bytes() + of_coarse.peak_memory_bytes;
+  }
+
+  /// Returns up to four columns of values per unknown, by rows of the block matrix.
+  template <class Values>
+  FourColumns to_rows(const Values& values, Eigen::Index first, const Context& context) const {
     const std::vector<int>& unknown = order_.nodes.unknown;
+    const Eigen::Index columns = std::min<Eigen::Index>(4, values.cols() - first);
     FourColumns rows = FourColumns::Zero(static_cast<Eigen::Index>(unknown.size()), 4);
     parallel_blocks(
         unknown.size(),
@@ -138,36 +154,34 @@ class IterativeSolver final : public LinearSolver {
     return rows;
   }
 
-  /// The scratch data of the preconditioner z = M⁻¹ r, which is symmetric and positive definite.
-  struct Workspace {
-    FourColumns s, e;
-  };
-  void precondition(const FourColumns& r, Eigen::Index columns, FourColumns& z, Workspace& work,
+  /// Computes z = M⁻¹ r. The preconditioner M is symmetric and positive definite. `s` and `e` are scratch data.
+  void precondition(const FourColumns& r, Eigen::Index columns, FourColumns& z, FourColumns& s, FourColumns& e,
                     const Context& context) const {
-    matrix_->sweep_forward(r, z, work.s, context);
-    const Eigen::MatrixXd coarse = coarse_space_->restrict_columns(work.s, columns, context);
-    coarse_space_->prolong(coarse_solver_->solve(coarse, context), work.e, context);
-    matrix_->sweep_backward(work.e, work.s, z, context);
+    matrix_->sweep_forward(r, z, s, context);
+    const Eigen::MatrixXd coarse = coarse_space_->restrict_columns(s, columns, context);
+    coarse_space_->prolong(coarse_solver_->solve(coarse, context), e, context);
+    matrix_->sweep_backward(e, s, z, context);
   }
 
-  /// Writes the solution for `columns` columns of `rhs` from `first` on. Returns the number of iterations.
-  int solve_four(const Eigen::MatrixXd& rhs, Eigen::Index first, Eigen::Index columns,
-                 const SolveOptions& options, Eigen::MatrixXd& solution, const Context& context) const {
+  /// Replaces up to four right-hand sides from column `first` on by their solutions. Returns the number of
+  /// iterations.
+  int solve_four(Rows& sides, Eigen::Index first, const SolveOptions& options, const Context& context) const {
     constexpr int most_iterations = 1000;
     const auto quotient = [](const FourNumbers& a, const FourNumbers& b) {
       return FourNumbers((b > 0).select(a / b, 0.0));
     };
     const Context quiet{.threads = context.threads, .progress = {}, .stop_token = context.stop_token};
-    Workspace work;
-    FourColumns r = to_rows(rhs, first, columns, quiet), x = FourColumns::Zero(r.rows(), 4), z, p, q;
-    precondition(r, columns, z, work, quiet);
+    const Eigen::Index columns = std::min<Eigen::Index>(4, sides.cols() - first);
+    // q = N p is not needed beyond the update of r, and is scratch data of the preconditioner then.
+    FourColumns r = to_rows(sides, first, quiet), x = FourColumns::Zero(r.rows(), 4), z, p, q, e;
+    precondition(r, columns, z, q, e, quiet);
     FourNumbers rz = dot(r, z, quiet);
     const FourNumbers goal = options.tolerance * options.tolerance * rz;
     if (options.guess != nullptr) {
-      x = to_rows(*options.guess, first, columns, quiet);
+      x = to_rows(*options.guess, first, quiet);
       matrix_->multiply(x, q, quiet);
       combine(FourNumbers::Ones(), r, -FourNumbers::Ones(), q, quiet);
-      precondition(r, columns, z, work, quiet);
+      precondition(r, columns, z, q, e, quiet);
       rz = dot(r, z, quiet);
     }
     const double start = quotient(rz, goal).maxCoeff();
@@ -185,7 +199,7 @@ class IterativeSolver final : public LinearSolver {
       const FourNumbers alpha = quotient(rz, pq);
       combine(FourNumbers::Ones(), x, alpha, p, quiet);
       combine(FourNumbers::Ones(), r, -alpha, q, quiet);
-      precondition(r, columns, z, work, quiet);
+      precondition(r, columns, z, q, e, quiet);
       const FourNumbers rz_before = std::exchange(rz, dot(r, z, quiet));
       combine(quotient(rz, rz_before), p, FourNumbers::Ones(), z, quiet);
     }
@@ -194,7 +208,7 @@ class IterativeSolver final : public LinearSolver {
         row.size(),
         [&](std::size_t begin, std::size_t end) {
           for (auto u = static_cast<Eigen::Index>(begin); u < static_cast<Eigen::Index>(end); ++u)
-            for (Eigen::Index c = 0; c < columns; ++c) solution(u, first + c) = x(row[u], c);
+            for (Eigen::Index c = 0; c < columns; ++c) sides(u, first + c) = x(row[u], c);
         },
         quiet, rows_at_once);
     return iteration;
