@@ -76,11 +76,13 @@ AffineOperator::AffineOperator(const OperatorMesh& mesh, const ConstraintMask& m
     intrinsic_edges_ =
         std::make_shared<const IntrinsicEdges>(intrinsic_delaunay_edges(points, triangles, context));
     build_integral_rows(map_places({points, normals, rings_, numbers}, context), mask, context);
-    return;
+  } else {
+    pairs_ =
+        smoothness_pairs(triangles, faces_at, rings_, flag_unknown_maps(mask), options.opposite_pairs, context);
+    build_smoothness_rows(normals, options, context);
   }
-  pairs_ =
-      smoothness_pairs(triangles, faces_at, rings_, flag_unknown_maps(mask), options.opposite_pairs, context);
-  build_smoothness_rows(normals, options, context);
+  context.throw_if_stopped();
+  list_pairs_by_vertex();
 }
 
 /// Builds the rows ℓ̄ √(12 w) (M_i − M_j) e_k of the intrinsic edges. The factor 12 is measured: it balances E_R
@@ -91,7 +93,6 @@ void AffineOperator::build_integral_rows(const Points& places, const ConstraintM
   constexpr double least = 1.0 / 16, most = 4;  // of a weight's factor
   const double scale = mean_edge_length_ * std::sqrt(12.0);
   const Points& points = nodes_.positions;
-  std::vector<double> weights;
   for (const auto& [ends, weight] : intrinsic_edges_->edges) {
     const auto [i, j] = ends;
     if (mask.transform[i] && mask.transform[j]) continue;
@@ -99,18 +100,8 @@ void AffineOperator::build_integral_rows(const Points& places, const ConstraintM
     const double between = (places.row(i) - places.row(j)).squaredNorm();
     const double factor = between > 0 ? std::clamp(length / between, least, most) : most;
     pairs_.push_back(ends);
-    weights.push_back(scale * std::sqrt(weight * factor));
+    pair_values_.push_back(scale * std::sqrt(weight * factor));
   }
-  context.throw_if_stopped();
-  take_over(P_, rows_of_lengths(std::vector<int>(3 * pairs_.size(), 2), 3 * rings_.size()));
-  for (std::size_t p = 0; p < pairs_.size(); ++p)
-    for (int k = 0; k < 3; ++k) {
-      const std::size_t entry = 2 * (3 * p + static_cast<std::size_t>(k));
-      for (const std::size_t end : {0, 1}) {
-        P_.innerIndexPtr()[entry + end] = 3 * pairs_[p][end] + k;
-        P_.valuePtr()[entry + end] = end == 0 ? weights[p] : -weights[p];
-      }
-    }
 }
 
 /// Builds the rows of FT05 equation 9: (D x)_i − M_i δ_i, with D applied `laplacian_order` times on both
@@ -157,19 +148,11 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
 void AffineOperator::build_smoothness_rows(const Points& normals, const OperatorOptions& options,
                                            const Context& context) {
   const bool with_normals = options.degenerate != DegenerateTreatment::ft05_noise;
-  const std::size_t rows_per_pair = with_normals ? 2 : 1;
+  const std::size_t vectors_per_pair = with_normals ? 2 : 1;
+  pair_values_.resize(3 * vectors_per_pair * pairs_.size());
   context.throw_if_stopped();
-  take_over(P_, rows_of_lengths(std::vector<int>(pairs_.size() * rows_per_pair, 6), 3 * rings_.size()));
-  context.throw_if_stopped();
-  const auto write_row = [&](std::size_t row, const std::array<Index, 2>& pair, const Eigen::RowVector3d& d) {
-    int* columns = P_.innerIndexPtr() + 6 * row;
-    double* values = P_.valuePtr() + 6 * row;
-    for (int k = 0; k < 3; ++k) {
-      columns[k] = 3 * pair[0] + k;
-      columns[3 + k] = 3 * pair[1] + k;
-      values[k] = d[k];
-      values[3 + k] = -d[k];
-    }
+  const auto write = [&](std::size_t number, const Eigen::RowVector3d& d) {
+    Eigen::Map<Eigen::RowVector3d>(pair_values_.data() + 3 * number) = d;
   };
   // If the faces around a vertex cancel (a two-sided sheet), its apex still has a direction.
   const auto direction = [&](Index v) -> Eigen::RowVector3d {
@@ -187,59 +170,116 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
               std::numbers::sqrt2 *
               (options.density == Density::aware ? density_scale(mean_edge_length_ / local_length) : 1.0);
           const Eigen::RowVector3d d = nodes_.positions.row(i) - nodes_.positions.row(j);
-          write_row(p * rows_per_pair, pairs_[p], scale * d);
+          write(p * vectors_per_pair, scale * d);
           if (with_normals)
-            write_row(p * rows_per_pair + 1, pairs_[p],
-                      scale * d.norm() * normal_between(direction(i), direction(j)));
+            write(p * vectors_per_pair + 1, scale * d.norm() * normal_between(direction(i), direction(j)));
         }
       },
       context, 4096);
 }
 
-EnergyRows AffineOperator::release_rows() {
-  EnergyRows rows;
-  rows.L.swap(L_);  // Eigen's matrices are copied where they would be moved
-  rows.delta.swap(delta_);
-  rows.P.swap(P_);
-  return rows;
+/// Lists the pairs of each vertex, first those with a smaller other vertex. Pairs are sorted.
+void AffineOperator::list_pairs_by_vertex() {
+  pairs_at_.offsets.assign(static_cast<std::size_t>(rings_.size()) + 1, 0);
+  for (const auto& [i, j] : pairs_) {
+    ++pairs_at_.offsets[i + 1];
+    ++pairs_at_.offsets[j + 1];
+  }
+  std::partial_sum(pairs_at_.offsets.begin(), pairs_at_.offsets.end(), pairs_at_.offsets.begin());
+  pairs_at_.values.resize(2 * pairs_.size());
+  std::vector<Index> next(pairs_at_.offsets.begin(), pairs_at_.offsets.end() - 1);
+  for (const int end : {1, 0})
+    for (std::size_t p = 0; p < pairs_.size(); ++p)
+      pairs_at_.values[next[pairs_[p][end]]++] = static_cast<Index>(p);
+}
+
+SparseRows AffineOperator::P(const Context& context) const {
+  const int entries = intrinsic_edges_ ? 2 : 6;
+  const std::size_t rows_per_pair = pairs_.empty()     ? 0
+                                    : intrinsic_edges_ ? 3
+                                                       : pair_values_.size() / (3 * pairs_.size());
+  SparseRows P = rows_of_lengths(std::vector<int>(pairs_.size() * rows_per_pair, entries), 3 * rings_.size());
+  const auto write = [&](std::size_t row, int entry, Index column, double value) {
+    P.innerIndexPtr()[row * entries + entry] = column;
+    P.valuePtr()[row * entries + entry] = value;
+  };
+  const auto write_pairs = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p)
+      for (std::size_t row = p * rows_per_pair; row < (p + 1) * rows_per_pair; ++row) {
+        const auto [i, j] = pairs_[p];
+        if (intrinsic_edges_) {
+          const auto k = static_cast<Index>(row - p * rows_per_pair);
+          write(row, 0, 3 * i + k, pair_values_[p]);
+          write(row, 1, 3 * j + k, -pair_values_[p]);
+          continue;
+        }
+        for (int k = 0; k < 3; ++k) {
+          write(row, k, 3 * i + k, pair_values_[3 * row + k]);
+          write(row, 3 + k, 3 * j + k, -pair_values_[3 * row + k]);
+        }
+      }
+  };
+  parallel_blocks(pairs_.size(), write_pairs, context, 4096);
+  return P;
+}
+
+/// Computes Σ d dᵀ (m_v − m_w) over the pairs {v, w} of each vertex v.
+template <int columns>
+void AffineOperator::couple_vertices(const LinearSolver::Rows& m, LinearSolver::Rows& product,
+                                     const Context& context) const {
+  using Map = Eigen::Matrix<double, 3, columns, Eigen::RowMajor>;
+  const std::size_t vectors_per_pair = pairs_.empty() ? 0 : pair_values_.size() / (3 * pairs_.size());
+  const auto couple_some = [&](std::size_t begin, std::size_t end) {
+    Map sum(3, m.cols()), difference(3, m.cols());
+    for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
+      sum.setZero();
+      for (const Index pair : pairs_at_[v]) {
+        const auto [i, j] = pairs_[pair];
+        difference = m.middleRows<3>(3 * v) - m.middleRows<3>(3 * (i == v ? j : i));
+        if (intrinsic_edges_) {
+          sum += pair_values_[pair] * pair_values_[pair] * difference;
+          continue;
+        }
+        for (std::size_t k = 0; k < vectors_per_pair; ++k) {
+          const Eigen::Map<const Eigen::Vector3d> d(&pair_values_[3 * (pair * vectors_per_pair + k)]);
+          sum += d * (d.transpose() * difference);
+        }
+      }
+      product.middleRows<3>(3 * v) = sum;
+    }
+  };
+  parallel_blocks(rings_.size(), couple_some, context, 2048);
+}
+
+void AffineOperator::couple(const LinearSolver::Rows& m, LinearSolver::Rows& product,
+                            const Context& context) const {
+  product.resize(m.rows(), m.cols());
+  if (m.cols() == 3)
+    couple_vertices<3>(m, product, context);
+  else
+    couple_vertices<Eigen::Dynamic>(m, product, context);
 }
 
 SparseRows AffineOperator::coupling(const Context& context) const {
   // Integral rows couple the k-th columns of two maps with each other alone, FT05's all three with all three.
   const int width = intrinsic_edges_ ? 1 : 3;
   const Index n = rings_.size();
-  // Indexes the pairs by their second vertex; they are sorted by their first.
-  IndexLists to_smaller;
-  std::vector<Index> first_pair(static_cast<std::size_t>(n) + 1, 0), next;
-  to_smaller.offsets.assign(static_cast<std::size_t>(n) + 1, 0);
-  for (const auto& [i, j] : pairs_) {
-    ++first_pair[i + 1];
-    ++to_smaller.offsets[j + 1];
-  }
-  std::partial_sum(first_pair.begin(), first_pair.end(), first_pair.begin());
-  std::partial_sum(to_smaller.offsets.begin(), to_smaller.offsets.end(), to_smaller.offsets.begin());
-  to_smaller.values.resize(pairs_.size());
-  next.assign(to_smaller.offsets.begin(), to_smaller.offsets.end() - 1);
-  for (std::size_t p = 0; p < pairs_.size(); ++p)
-    to_smaller.values[next[pairs_[p][1]]++] = static_cast<Index>(p);
-
   std::vector<int> lengths(3 * n);
   for (Index v = 0; v < n; ++v) {
-    const auto partners = static_cast<int>(to_smaller[v].size()) + first_pair[v + 1] - first_pair[v];
+    const auto partners = static_cast<int>(pairs_at_[v].size());
     std::fill_n(lengths.begin() + 3 * v, 3, partners > 0 ? width * (partners + 1) : 0);
   }
   SparseRows K = rows_of_lengths(lengths, 3 * n);
-  const auto rows_per_pair = pairs_.empty() ? 0 : P_.rows() / static_cast<Eigen::Index>(pairs_.size());
+  const std::size_t vectors_per_pair = pairs_.empty() ? 0 : pair_values_.size() / (3 * pairs_.size());
   // Returns Σ d dᵀ over the rows of a pair, where integral rows have the coordinate axes times √w for d.
   const auto block_of = [&](Index pair) {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
     if (intrinsic_edges_) {
-      const double root = P_.valuePtr()[6 * static_cast<std::size_t>(pair)];
-      block.diagonal().setConstant(root * root);
+      block.diagonal().setConstant(pair_values_[pair] * pair_values_[pair]);
       return block;
     }
-    for (Eigen::Index row = pair * rows_per_pair; row < (pair + 1) * rows_per_pair; ++row) {
-      const Eigen::Map<const Eigen::Vector3d> d(P_.valuePtr() + 6 * row);
+    for (std::size_t k = 0; k < vectors_per_pair; ++k) {
+      const Eigen::Map<const Eigen::Vector3d> d(&pair_values_[3 * (pair * vectors_per_pair + k)]);
       block += d * d.transpose();
     }
     return block;
@@ -250,7 +290,6 @@ SparseRows AffineOperator::coupling(const Context& context) const {
         for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
           const int first = K.outerIndexPtr()[3 * v], length = lengths[3 * static_cast<std::size_t>(v)];
           if (length == 0) continue;
-          int next_column = 0;
           const auto write = [&](Index partner, const Eigen::Matrix3d& block, int at) {
             for (int row = 0; row < 3; ++row)
               for (int k = 0; k < width; ++k) {
@@ -260,16 +299,16 @@ SparseRows AffineOperator::coupling(const Context& context) const {
               }
           };
           Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
-          const auto add = [&](Index pair, Index partner) {
+          int next_column = 0, diagonal = 0;
+          for (const Index pair : pairs_at_[v]) {
+            const auto [i, j] = pairs_[pair];
+            if (j == v) diagonal = next_column + width;  // after the smaller vertices
+            const int at = i == v ? next_column + width : next_column;
             const Eigen::Matrix3d block = block_of(pair);
             own += block;
-            write(partner, -block, next_column);
+            write(i == v ? j : i, -block, at);
             next_column += width;
-          };
-          for (const Index pair : to_smaller[v]) add(pair, pairs_[pair][0]);
-          const int diagonal = next_column;
-          next_column += width;
-          for (Index pair = first_pair[v]; pair < first_pair[v + 1]; ++pair) add(pair, pairs_[pair][1]);
+          }
           write(v, own, diagonal);
         }
       },
@@ -277,8 +316,17 @@ SparseRows AffineOperator::coupling(const Context& context) const {
   return K;
 }
 
+EnergyRows AffineOperator::release_rows() {
+  EnergyRows rows;
+  rows.L.swap(L_);  // Eigen's matrices are copied where they would be moved
+  rows.delta.swap(delta_);
+  take_over(rows.P, P());
+  pair_values_ = {};
+  return rows;
+}
+
 SparseRows AffineOperator::A(const Context& context) const {
-  return stack(SparseRows(L_ - multiply(delta_, H_, context)), multiply(P_, H_, context));
+  return stack(SparseRows(L_ - multiply(delta_, H_, context)), multiply(P(context), H_, context));
 }
 
 }  // namespace meshgraft

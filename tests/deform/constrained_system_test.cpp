@@ -134,7 +134,7 @@ TEST(ConstrainedSystem, BothWaysToRespondAgree) {
 
 TEST(ConstrainedSystem, CouplingIsTheSquareOfTheRowsOfSmoothness) {
   for_each_system([](const SystemScene& scene) {
-    const SparseRows& P = scene.system->operators()->P();
+    const SparseRows P = scene.system->operators()->P();
     const SparseRows coupling = scene.system->coupling({});
     const SparseRows square = multiply(transpose(P), P);
     EXPECT_GT(square.norm(), 0);

@@ -132,15 +132,6 @@ TEST(PatchOperator, RowsOfTheUnknownAreThoseOfTheWholeMesh) {
       }
 }
 
-TEST(PatchOperator, PTransposedIsTheTransposeOfP) {
-  for (const OperatorScene& scene : operator_scenes()) {
-    const CutPatch cut = scene.cut();
-    const PatchOperator rows(cut, operator_mask(cut, scene.mask), {}, {});
-    EXPECT_GT(rows.P_transposed().nonZeros(), 0);
-    EXPECT_EQ((SparseRows(rows.rows().P().transpose()) - rows.P_transposed()).norm(), 0) << scene.mesh.name;
-  }
-}
-
 TEST(PatchOperator, VerticesThatAreUnknownForFewerAreActiveAmongTheOthers) {
   for (const OperatorScene& scene : operator_scenes()) {
     SCOPED_TRACE(scene.mesh.name);

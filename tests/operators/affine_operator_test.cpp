@@ -238,6 +238,18 @@ TEST(Coupling, IsTheProductOfTheSmoothnessRows) {
     }
 }
 
+TEST(Coupling, IsAppliedWithoutItsMatrix) {
+  for (const auto& mesh : test::small_families())
+    for (const OperatorOptions& options : all_options())
+      for (const int columns : {1, 3, 8}) {
+        const AffineOperator op(mesh.positions, mesh.triangles, options);
+        const Columns m = Columns::Random(op.H().rows(), columns), expected = op.coupling() * m;
+        Columns product;
+        op.couple(m, product);
+        EXPECT_LE((product - expected).norm(), 1e-13 * expected.norm()) << mesh.name << name_of(options);
+      }
+}
+
 TEST(NormalMatrices, AreTheProductsOfAllRows) {
   for (const auto& mesh : families())
     for (const OperatorOptions& options : all_options()) {

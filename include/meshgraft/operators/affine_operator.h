@@ -163,7 +163,6 @@ class AffineOperator {
   const SparseRows& L() const { return L_; }          ///< rows of E_L × nodes
   const SparseRows& delta() const { return delta_; }  ///< Δ, rows of E_L × 3n
   const SparseRows& H() const { return H_; }          ///< 3n × nodes
-  const SparseRows& P() const { return P_; }          ///< rows of E_R × 3n
   const std::vector<std::array<Index, 2>>& pairs() const { return pairs_; }
   /// Returns the edges of the intrinsic Delaunay triangulation with their weights, or null without
   /// `has_integral_rows`.
@@ -175,11 +174,15 @@ class AffineOperator {
   /// Returns whether rows with this ratio ℓ̄/ℓ are scaled by exactly that ratio, and not by the bound of it.
   static bool is_scaled_by_density(double length_ratio);
 
-  /// Moves the rows of the energies out. H, the nodes and the pairs stay.
-  EnergyRows release_rows();
-
+  /// Makes P (rows of E_R × 3n). It is kept as a few numbers per pair, a tenth of its memory or a third.
+  SparseRows P(const Context& context = {}) const;
+  /// Computes PᵀP m for maps m (3n×k) without making P.
+  void couple(const LinearSolver::Rows& m, LinearSolver::Rows& product, const Context& context = {}) const;
   /// Computes PᵀP, which couples the maps of pairs.
   SparseRows coupling(const Context& context = {}) const;
+
+  /// Moves the rows of the energies out. H, the nodes and the pairs stay.
+  EnergyRows release_rows();
 
   /// Computes A = [L − Δ H; P H] over all nodes, without constraints.
   SparseRows A(const Context& context = {}) const;
@@ -189,14 +192,20 @@ class AffineOperator {
                             const Flags& rows, const Context& context);
   void build_smoothness_rows(const Points& normals, const OperatorOptions& options, const Context& context);
   void build_integral_rows(const Points& places, const ConstraintMask& mask, const Context& context);
+  void list_pairs_by_vertex();
+  template <int columns>
+  void couple_vertices(const LinearSolver::Rows& m, LinearSolver::Rows& product, const Context& context) const;
 
   IndexLists rings_;
   std::vector<double> edge_lengths_;
   double mean_edge_length_ = 0;
   StencilNodes nodes_;
   std::vector<std::array<Index, 2>> pairs_;
+  // The rows of a pair are dᵀ (M_i − M_j) for a few vectors d, or the three of √w (M_i − M_j).
+  std::vector<double> pair_values_;  ///< the vectors of all pairs, or √w per pair for integral rows
+  IndexLists pairs_at_;              ///< per vertex: its pairs, by the other vertex
   std::shared_ptr<const IntrinsicEdges> intrinsic_edges_;
-  SparseRows L_, delta_, H_, P_;
+  SparseRows L_, delta_, H_;
 };
 
 }  // namespace meshgraft

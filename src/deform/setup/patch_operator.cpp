@@ -95,8 +95,7 @@ PatchOperator::PatchOperator(const CutPatch& cut, const ConstraintMask& mask, co
                              const Context& context)
     : options_(options),
       mask_(mask),
-      rows_(OperatorMesh{cut.patch.points, cut.patch.triangles, cut.patch.vertices}, mask, options, context),
-      P_transposed_(transpose(rows_.P(), context)) {}
+      rows_(OperatorMesh{cut.patch.points, cut.patch.triangles, cut.patch.vertices}, mask, options, context) {}
 
 bool PatchOperator::serves(const ConstraintMask& mask, const IntrinsicEdges* edges) const {
   if (edges != nullptr && rows_.intrinsic_edges() &&

@@ -65,7 +65,6 @@ class PatchOperator {
                 const Context& context);
 
   const AffineOperator& rows() const { return rows_; }
-  const SparseRows& P_transposed() const { return P_transposed_; }
 
   /// Returns whether the rows are valid for a system with this mask. Every unknown must have had rows
   /// made for it. A vertex that was moved off its plane must still be movable. No direction may depend on a
@@ -81,7 +80,6 @@ class PatchOperator {
   OperatorOptions options_;
   ConstraintMask mask_;  ///< of the patch's vertices, for which the rows were made
   AffineOperator rows_;
-  SparseRows P_transposed_;
 };
 
 }  // namespace meshgraft

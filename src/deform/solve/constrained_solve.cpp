@@ -45,9 +45,7 @@ ConstrainedSystem::Known ConstrainedSystem::no_values(Eigen::Index columns) cons
           Columns::Zero(3 * patch().size(), columns)};
 }
 
-Eigen::Index ConstrainedSystem::row_count() const {
-  return solver_ ? A_L_.rows() + operators_->rows().P().rows() : 0;
-}
+Eigen::Index ConstrainedSystem::row_count() const { return solver_ ? A_L_.rows() + G_.rows() : 0; }
 
 /// Returns the target of the maps' unknown part in the E_R rows: the field less the known part.
 Columns ConstrainedSystem::wanted_maps(const Columns& known, const MapField& field,
@@ -117,9 +115,9 @@ void ConstrainedSystem::add_targets(Rows& rows) const {
 }
 
 Columns ConstrainedSystem::apply_transposed(const Rows& rows, const Context& context) const {
-  const Columns smoothness = multiply(operators_->rows().P(), rows.maps, context);
-  Columns side = multiply(A_L_transposed_, rows.laplacian, context);
-  add_product(G_transposed_, multiply(operators_->P_transposed(), smoothness, context), side, context);
+  Columns side = multiply(A_L_transposed_, rows.laplacian, context), coupled;
+  operators_->rows().couple(rows.maps, coupled, context);
+  add_product(G_transposed_, coupled, side, context);
   return side;
 }
 
@@ -180,7 +178,7 @@ ConstrainedSystem::KnownParts ConstrainedSystem::known_parts(const Known& values
 
 void ConstrainedSystem::solve(const KnownParts& known, const MapField& field, double tolerance, Columns& y,
                               SolveMemory& memory, const Context& context) const {
-  auto& [at_maps, laplacian, smoothness] = memory;
+  auto& [at_maps, coupled, laplacian] = memory;
   SolveOptions options{.tolerance = std::max(tolerance, tolerance_without_corrections)};
   Eigen::MatrixXd guess;
   if (y.rows() > 0 && is_iterative()) {
@@ -188,14 +186,13 @@ void ConstrainedSystem::solve(const KnownParts& known, const MapField& field, do
     options.guess = &guess;
   }
   fitted_field()(field.maps, at_maps, context);
-  multiply(operators_->rows().P(), at_maps, smoothness, context);
-  multiply(operators_->P_transposed(), smoothness, at_maps, context);
+  operators_->rows().couple(at_maps, coupled, context);
   laplacian.setZero(A_L_.rows(), 3);
   const auto edge_row_count = static_cast<Eigen::Index>(edge_rows_.size());
   add_stretch(field.maps, laplacian.middleRows(operators_->rows().L().rows(), edge_row_count), context);
   y = known.side;
   add_product(A_L_transposed_, laplacian, y, context);
-  add_product(G_transposed_, at_maps, y, context);
+  add_product(G_transposed_, coupled, y, context);
   solver_->solve_in_place(y, options, context);
   impose_similarities(y);
 }

@@ -80,7 +80,7 @@ class ConstrainedSystem {
   KnownParts known_parts(const Known& values, const Context& context) const;
   /// Memory of a solve. A series of solves shares it, because the first use of fresh pages takes time.
   struct SolveMemory {
-    Columns at_maps, laplacian, smoothness;
+    Columns at_maps, coupled, laplacian;
   };
   /// Solves for a smooth field, without corrections. An iterative solver starts from y unless it is empty, and
   /// ends at a relative error of max(`tolerance`, 1e-6).
