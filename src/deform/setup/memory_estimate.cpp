@@ -37,7 +37,7 @@ namespace {
 double iterative_memory(Index free_vertices, const DeformerOptions& options) {
   const bool noise = options.operators.degenerate == DegenerateTreatment::ft05_noise;
   const double of_fields = options.method == DeformMethod::ft05 ? 0 : 2000;
-  return (of_fields + (noise ? 4000 : 6600)) * free_vertices;
+  return (of_fields + (noise ? 4000 : 5200)) * free_vertices;
 }
 
 }  // namespace

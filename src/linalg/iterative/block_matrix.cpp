@@ -12,14 +12,6 @@
 #include "core/sparse_checks.h"
 #include "linalg/facts.h"
 
-// The loops below gain from the processor's widest registers, but the library is built for any processor.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(MESHGRAFT_SANITIZES_ADDRESSES) && !defined(MESHGRAFT_SANITIZES_THREADS)
-#define MESHGRAFT_WIDEST_REGISTERS [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")]]
-#else
-#define MESHGRAFT_WIDEST_REGISTERS
-#endif
-
 namespace meshgraft {
 
 namespace {
@@ -48,10 +40,6 @@ struct Rows {
   const double* diagonal;
   const double* diagonal_inverse;
 };
-
-/// The four columns of a row, in one register or two (GCC and Clang choose). The address needs no alignment
-/// beyond that of a double.
-using Four [[gnu::vector_size(32), gnu::aligned(8), gnu::may_alias]] = double;
 
 // Blocks are arrays of width×width numbers, and a node has values of `width` rows. The compiler unrolls the
 // functions below.
@@ -158,9 +146,6 @@ void set_zero(FourColumns& x, Eigen::Index rows, const Context& context) {
       },
       context, 65536);
 }
-
-const Four* rows_of(const FourColumns& x) { return reinterpret_cast<const Four*>(x.data()); }
-Four* rows_of(FourColumns& x) { return reinterpret_cast<Four*>(x.data()); }
 
 template <int width>
 class BlockMatrixOf final : public BlockMatrix {

@@ -2,17 +2,13 @@
 
 #include <memory>
 
-#include <Eigen/Core>
-
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
 
 #include "block_rows.h"
+#include "four_columns.h"
 
 namespace meshgraft {
-
-/// Four right-hand sides or solutions: one row per row of the nodes, zero in padding rows.
-using FourColumns = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
 
 /// A symmetric positive definite matrix N = L + D + Lᵀ in blocks of nodes. D holds the nodes' own blocks. L
 /// couples each node with those that a forward sweep meets first. L is stored once, and each visit to a row

@@ -9,6 +9,7 @@
 #include "affine_bases.h"
 #include "core/parallel.h"
 #include "core/sparse_checks.h"
+#include "four_columns.h"
 
 namespace meshgraft {
 
@@ -234,27 +235,72 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
   return coarse;
 }
 
+namespace {
+
+/// Nodes with their weights in aggregates, or the reverse.
+struct Weights {
+  const Index* begin;
+  const Index* others;
+  const double* weight;
+};
+
+/// Rows of nodes at their positions.
+struct NodeRows {
+  int width;
+  const int* unknown;
+  const double* positions;
+};
+
+/// Adds up Σ w (p, 1)ᵀ s over the rows of an aggregate's nodes.
+MESHGRAFT_WIDEST_REGISTERS void sum_rows(const Weights members, Index aggregate, const NodeRows nodes,
+                                         const Four* s, Four (&sum)[4]) {
+  Four sums[4] = {};
+  for (Index k = members.begin[aggregate]; k < members.begin[aggregate + 1]; ++k) {
+    const std::ptrdiff_t first = std::ptrdiff_t{nodes.width} * members.others[k];
+    for (std::ptrdiff_t row = first; row < first + nodes.width; ++row) {
+      const Four value = members.weight[k] * s[row];
+      for (int c = 0; c < 3; ++c) sums[c] += nodes.positions[3 * row + c] * value;
+      sums[3] += value;
+    }
+  }
+  for (int c = 0; c < 4; ++c) sum[c] = sums[c];
+}
+
+/// Evaluates the blended functions of the aggregates (four rows each) at the rows of nodes [begin, end).
+MESHGRAFT_WIDEST_REGISTERS void blend_rows(const Weights aggregates, Index begin, Index end,
+                                           const NodeRows nodes, const Four* functions, Four* x) {
+  for (Index node = begin; node < end; ++node) {
+    Four blended[4] = {};
+    for (Index k = aggregates.begin[node]; k < aggregates.begin[node + 1]; ++k)
+      for (int c = 0; c < 4; ++c)
+        blended[c] += aggregates.weight[k] * functions[4 * std::ptrdiff_t{aggregates.others[k]} + c];
+    const std::ptrdiff_t first = std::ptrdiff_t{nodes.width} * node;
+    for (std::ptrdiff_t row = first; row < first + nodes.width; ++row) {
+      Four value = blended[3];
+      for (int c = 0; c < 3; ++c) value += nodes.positions[3 * row + c] * blended[c];
+      x[row] = nodes.unknown[row] < 0 ? Four{} : value;
+    }
+  }
+}
+
+}  // namespace
+
 Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index columns,
                                               const Context& context) const {
-  const BlockRows& nodes = order_.nodes;
+  const Weights members{members_.offsets.data(), members_.values.data(), member_weight_.data()};
+  const NodeRows nodes{order_.nodes.width, order_.nodes.unknown.data(), order_.nodes.positions.data()};
   Eigen::MatrixXd restricted(unknowns(), columns);
   parallel_blocks(
       count_,
       [&](std::size_t begin, std::size_t end) {
+        Eigen::Matrix<double, 4, 4, Eigen::RowMajor> sum;
         for (auto a = static_cast<Index>(begin); a < static_cast<Index>(end); ++a) {
-          Eigen::Matrix<double, 4, 4, Eigen::RowMajor> sum = Eigen::Matrix4d::Zero();
-          for (Index k = members_.offsets[a]; k < members_.offsets[a + 1]; ++k) {
-            const Index node = members_.values[k];
-            const Eigen::Index first = Eigen::Index{nodes.width} * node;
-            if (is_shared(node)) {
-              sum.row(column_[node]) += s.row(first);
-              continue;
-            }
-            for (Eigen::Index row = first; row < first + nodes.width; ++row) {
-              const Eigen::RowVector4d value = member_weight_[k] * s.row(row);
-              for (int c = 0; c < 3; ++c) sum.row(c) += nodes.positions(row, c) * value;
-              sum.row(3) += value;
-            }
+          if (a < first_shared_) {
+            sum_rows(members, a, nodes, rows_of(s), *reinterpret_cast<Four(*)[4]>(sum.data()));
+          } else {
+            sum.setZero();
+            for (const Index node : members_[a])
+              sum.row(column_[node]) += s.row(Eigen::Index{nodes.width} * node);
           }
           restricted.middleRows<4>(4 * Eigen::Index{a}) = (basis_[a].transpose() * sum).leftCols(columns);
         }
@@ -264,31 +310,27 @@ Eigen::MatrixXd CoarseSpace::restrict_columns(const FourColumns& s, Eigen::Index
 }
 
 void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Context& context) const {
-  const BlockRows& nodes = order_.nodes;
-  const Eigen::Index columns = y.cols();
-  std::vector<Eigen::Matrix4d> functions(count_, Eigen::Matrix4d::Zero());
-  for (Index a = 0; a < count_ && columns > 0; ++a)
-    functions[a].leftCols(columns) = basis_[a] * y.middleRows<4>(4 * Eigen::Index{a});
-  x.resize(static_cast<Eigen::Index>(nodes.unknown.size()), 4);
+  FourColumns functions = FourColumns::Zero(unknowns(), 4);
+  for (Index a = 0; a < count_ && y.cols() > 0; ++a)
+    functions.middleRows<4>(4 * Eigen::Index{a}).leftCols(y.cols()) =
+        basis_[a] * y.middleRows<4>(4 * Eigen::Index{a});
+  x.resize(static_cast<Eigen::Index>(order_.nodes.unknown.size()), 4);
+  const Weights aggregates{blending_.aggregates.offsets.data(), blending_.aggregates.values.data(),
+                           blending_.weight.data()};
+  const NodeRows nodes{order_.nodes.width, order_.nodes.unknown.data(), order_.nodes.positions.data()};
   parallel_blocks(
-      nodes.count,
+      order_.nodes.count,
       [&](std::size_t begin, std::size_t end) {
-        for (auto node = static_cast<Index>(begin); node < static_cast<Index>(end); ++node) {
-          Eigen::Matrix4d blended = Eigen::Matrix4d::Zero();
-          for (Index k = blending_.aggregates.offsets[node]; k < blending_.aggregates.offsets[node + 1]; ++k)
-            blended += blending_.weight[k] * functions[blending_.aggregates.values[k]];
-          const Eigen::Index first = Eigen::Index{nodes.width} * node;
-          for (Eigen::Index row = first; row < first + nodes.width; ++row) {
-            if (nodes.unknown[row] < 0)
-              x.row(row).setZero();
-            else if (is_shared(node))
-              x.row(row) = blended.row(column_[node]);
-            else
-              x.row(row) = nodes.positions.row(row) * blended.topRows<3>() + blended.row(3);
-          }
-        }
+        blend_rows(aggregates, static_cast<Index>(begin), static_cast<Index>(end), nodes, rows_of(functions),
+                   rows_of(x));
       },
       context, 2048);
+  for (Index a = first_shared_; a < count_; ++a)
+    for (const Index node : members_[a]) {
+      const Eigen::Index first = Eigen::Index{nodes.width} * node;
+      x.middleRows(first, nodes.width).setZero();
+      if (nodes.unknown[first] >= 0) x.row(first) = functions.row(4 * Eigen::Index{a} + column_[node]);
+    }
 }
 
 OrderingGraph CoarseSpace::ordering_graph(const IndexLists& coarse_neighbours) const {
