@@ -6,7 +6,7 @@ const secondAttempts: Reporter = {
   onTestCaseResult(test) {
     if (!test.diagnostic()?.flaky) return;
     const [error] = test.result().errors ?? [];
-    const place = /[\w/]+\.test\.ts:\d+/.exec(error?.stack ?? "")?.[0].split("/tests/")[1] ?? test.module.moduleId;
+    const place = /[\w/]+\.test\.ts:\d+/.exec(error?.stack ?? "")?.[0].split("/page/tests/").at(-1) ?? test.module.moduleId;
     console.log(`passed at a second attempt: ${place}: ${test.name}: ${error?.message.split("\n")[0] ?? ""}`);
   },
 };

@@ -2,12 +2,11 @@
 
 #include <cstring>
 
-namespace meshgraft {
-
-// Vectors of doubles for kernels that are compiled for several sets of instructions. The functions are inlined
-// into one entry point for each set, which compiles them for it.
-
 #define MESHGRAFT_INLINE [[gnu::always_inline]] inline
+
+/// Vectors of doubles for kernels that are compiled for several sets of instructions. The functions are inlined
+/// into one entry point for each set, which compiles them for it.
+namespace meshgraft::simd {
 
 /// `lanes` values that are computed together.
 template <int lanes>
@@ -31,7 +30,4 @@ MESHGRAFT_INLINE void store(const Lanes<lanes>& values, double* to) {
   std::memcpy(to, &values, sizeof(values));
 }
 
-/// The two halves of a substitution: L⁻¹ and L⁻ᵀ.
-enum class Direction { forward, backward };
-
-}  // namespace meshgraft
+}  // namespace meshgraft::simd

@@ -1,13 +1,13 @@
 #include "sparse.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstdint>
 #include <numeric>
 #include <span>
 #include <vector>
 
 #include "core/parallel.h"
-#include "core/platform/processor.h"
 #include "core/sparse_checks.h"
 #include "lanes.h"
 #include "sparse_products.h"
@@ -15,6 +15,10 @@
 namespace meshgraft {
 
 namespace {
+
+using simd::Lanes;
+using simd::load;
+using simd::store;
 
 enum class Result { set, add };
 
@@ -64,7 +68,7 @@ MESHGRAFT_INLINE void multiply_rows_of_three(const RowProduct& p, const double* 
     for (int e = p.outer[row]; e < p.outer[row + 1]; ++e) {
       const double* from = p.x + p.inner[e] * p.x_stride;
       Lanes<4> part;
-      if (from + 4 <= x_end)
+      if (x_end - from >= 4)
         load<4>(from, part);
       else
         part = Lanes<4>{from[0], from[1], from[2], 0};
@@ -113,18 +117,19 @@ template <Result result>
 }
 #else
 template <Result result>
-constexpr auto *multiply_avx2 = multiply_baseline<result>,
-               *multiply_avx512 = multiply_baseline<result>;
+constexpr auto* multiply_avx2 = multiply_baseline<result>;
+template <Result result>
+constexpr auto* multiply_avx512 = multiply_baseline<result>;
 #endif
 
 /// Computes all columns of y = a·x or y ← y + a·x, from those `skipped` further on in x. Widths are
-/// compile-time constants, so that sums stay in registers. The last bits depend on the processor's vector
-/// instructions.
+/// compile-time constants, so that sums stay in registers. The last bits depend on the instructions.
 template <Result result>
 void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Columns& y,
-                          const Context& context) {
-  const auto kernel = [] {
-    switch (platform::vector_instructions()) {
+                          const Context& context, platform::VectorInstructions instructions) {
+  assert(a.isCompressed());
+  const auto kernel = [&] {
+    switch (instructions) {
       case platform::VectorInstructions::avx512: return multiply_avx512<result>;
       case platform::VectorInstructions::avx2: return multiply_avx2<result>;
       default: return multiply_baseline<result>;
@@ -165,13 +170,14 @@ void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& 
 }
 
 void multiply(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
-              const Context& context) {
+              const Context& context, platform::VectorInstructions instructions) {
   y.resize(a.rows(), count);
-  multiply_all_columns<Result::set>(a, x, first, y, context);
+  multiply_all_columns<Result::set>(a, x, first, y, context, instructions);
 }
 
-void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
-  multiply_all_columns<Result::add>(a, x, 0, y, context);
+void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context,
+                 platform::VectorInstructions instructions) {
+  multiply_all_columns<Result::add>(a, x, 0, y, context, instructions);
 }
 
 SparseRows stack(const SparseRows& top, const SparseRows& bottom, const Context& context) {

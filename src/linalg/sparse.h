@@ -7,6 +7,8 @@
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
 
+#include "core/platform/processor.h"
+
 namespace meshgraft {
 
 /// A block of columns, e.g. three right-hand sides, stored row by row.
@@ -17,6 +19,9 @@ using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Row
 /// id linalg.operator_too_large when the product has 2³¹ or more non-zeros.
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context = {});
 
+// In products with columns, a is compressed. The last bits depend on the vector instructions, which are by
+// default the widest that the processor has.
+
 /// Computes a·x for a block of columns, in parallel.
 Columns multiply(const SparseRows& a, const Columns& x, const Context& context = {});
 
@@ -25,10 +30,12 @@ void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& 
 
 /// Computes y = a·x for columns first … first + count of x, in the memory of y.
 void multiply(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
-              const Context& context);
+              const Context& context,
+              platform::VectorInstructions instructions = platform::vector_instructions());
 
 /// Computes y ← y + a·x.
-void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context);
+void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context,
+                 platform::VectorInstructions instructions = platform::vector_instructions());
 
 /// Sets a matrix to another one without a copy. Eigen 3.4 has no move assignment.
 inline void take_over(SparseRows& to, SparseRows from) { to.swap(from); }

@@ -1,6 +1,7 @@
 #include <meshgraft/operators/affine_operator.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -42,6 +43,12 @@ Flags flag_rows(const ConstraintMask& mask, const IndexLists& rings, int laplaci
   Flags rows(mask.size(), 0);
   for (const Index v : grow_rings(unknown, laplacian_order, rings)) rows[v] = 1;
   return rows;
+}
+
+/// Returns the number of vectors d per pair where rows are FT05's.
+std::size_t vectors_per_pair(const std::vector<std::array<Index, 2>>& pairs,
+                             const std::vector<double>& values) {
+  return pairs.empty() ? 0 : values.size() / (3 * pairs.size());
 }
 
 }  // namespace
@@ -148,8 +155,8 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
 void AffineOperator::build_smoothness_rows(const Points& normals, const OperatorOptions& options,
                                            const Context& context) {
   const bool with_normals = options.degenerate != DegenerateTreatment::ft05_noise;
-  const std::size_t vectors_per_pair = with_normals ? 2 : 1;
-  pair_values_.resize(3 * vectors_per_pair * pairs_.size());
+  const std::size_t vectors = with_normals ? 2 : 1;
+  pair_values_.resize(3 * vectors * pairs_.size());
   context.throw_if_stopped();
   const auto write = [&](std::size_t number, const Eigen::RowVector3d& d) {
     Eigen::Map<Eigen::RowVector3d>(pair_values_.data() + 3 * number) = d;
@@ -170,15 +177,16 @@ void AffineOperator::build_smoothness_rows(const Points& normals, const Operator
               std::numbers::sqrt2 *
               (options.density == Density::aware ? density_scale(mean_edge_length_ / local_length) : 1.0);
           const Eigen::RowVector3d d = nodes_.positions.row(i) - nodes_.positions.row(j);
-          write(p * vectors_per_pair, scale * d);
+          write(p * vectors, scale * d);
           if (with_normals)
-            write(p * vectors_per_pair + 1, scale * d.norm() * normal_between(direction(i), direction(j)));
+            write(p * vectors + 1, scale * d.norm() * normal_between(direction(i), direction(j)));
         }
       },
       context, 4096);
 }
 
-/// Lists the pairs of each vertex, first those with a smaller other vertex. Pairs are sorted.
+/// Lists the pairs of each vertex by the other vertex, ascending: first those that end with it. Pairs are
+/// sorted, and begin with their smaller vertex.
 void AffineOperator::list_pairs_by_vertex() {
   pairs_at_.offsets.assign(static_cast<std::size_t>(rings_.size()) + 1, 0);
   for (const auto& [i, j] : pairs_) {
@@ -194,10 +202,9 @@ void AffineOperator::list_pairs_by_vertex() {
 }
 
 SparseRows AffineOperator::P(const Context& context) const {
+  assert(pairs_.empty() || !pair_values_.empty());
   const int entries = intrinsic_edges_ ? 2 : 6;
-  const std::size_t rows_per_pair = pairs_.empty()     ? 0
-                                    : intrinsic_edges_ ? 3
-                                                       : pair_values_.size() / (3 * pairs_.size());
+  const std::size_t rows_per_pair = intrinsic_edges_ ? 3 : vectors_per_pair(pairs_, pair_values_);
   SparseRows P = rows_of_lengths(std::vector<int>(pairs_.size() * rows_per_pair, entries), 3 * rings_.size());
   const auto write = [&](std::size_t row, int entry, Index column, double value) {
     P.innerIndexPtr()[row * entries + entry] = column;
@@ -228,7 +235,7 @@ template <int columns>
 void AffineOperator::couple_vertices(const LinearSolver::Rows& m, LinearSolver::Rows& product,
                                      const Context& context) const {
   using Map = Eigen::Matrix<double, 3, columns, Eigen::RowMajor>;
-  const std::size_t vectors_per_pair = pairs_.empty() ? 0 : pair_values_.size() / (3 * pairs_.size());
+  const std::size_t vectors = vectors_per_pair(pairs_, pair_values_);
   const auto couple_some = [&](std::size_t begin, std::size_t end) {
     Map sum(3, m.cols()), difference(3, m.cols());
     for (auto v = static_cast<Index>(begin); v < static_cast<Index>(end); ++v) {
@@ -240,8 +247,8 @@ void AffineOperator::couple_vertices(const LinearSolver::Rows& m, LinearSolver::
           sum += pair_values_[pair] * pair_values_[pair] * difference;
           continue;
         }
-        for (std::size_t k = 0; k < vectors_per_pair; ++k) {
-          const Eigen::Map<const Eigen::Vector3d> d(&pair_values_[3 * (pair * vectors_per_pair + k)]);
+        for (std::size_t k = 0; k < vectors; ++k) {
+          const Eigen::Map<const Eigen::Vector3d> d(&pair_values_[3 * (pair * vectors + k)]);
           sum += d * (d.transpose() * difference);
         }
       }
@@ -253,6 +260,8 @@ void AffineOperator::couple_vertices(const LinearSolver::Rows& m, LinearSolver::
 
 void AffineOperator::couple(const LinearSolver::Rows& m, LinearSolver::Rows& product,
                             const Context& context) const {
+  assert(pairs_.empty() || !pair_values_.empty());
+  assert(m.rows() == 3 * rings_.size() && &m != &product);
   product.resize(m.rows(), m.cols());
   if (m.cols() == 3)
     couple_vertices<3>(m, product, context);
@@ -262,6 +271,7 @@ void AffineOperator::couple(const LinearSolver::Rows& m, LinearSolver::Rows& pro
 
 SparseRows AffineOperator::coupling(const Context& context) const {
   // Integral rows couple the k-th columns of two maps with each other alone, FT05's all three with all three.
+  assert(pairs_.empty() || !pair_values_.empty());
   const int width = intrinsic_edges_ ? 1 : 3;
   const Index n = rings_.size();
   std::vector<int> lengths(3 * n);
@@ -270,7 +280,7 @@ SparseRows AffineOperator::coupling(const Context& context) const {
     std::fill_n(lengths.begin() + 3 * v, 3, partners > 0 ? width * (partners + 1) : 0);
   }
   SparseRows K = rows_of_lengths(lengths, 3 * n);
-  const std::size_t vectors_per_pair = pairs_.empty() ? 0 : pair_values_.size() / (3 * pairs_.size());
+  const std::size_t vectors = vectors_per_pair(pairs_, pair_values_);
   // Returns Σ d dᵀ over the rows of a pair, where integral rows have the coordinate axes times √w for d.
   const auto block_of = [&](Index pair) {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
@@ -278,8 +288,8 @@ SparseRows AffineOperator::coupling(const Context& context) const {
       block.diagonal().setConstant(pair_values_[pair] * pair_values_[pair]);
       return block;
     }
-    for (std::size_t k = 0; k < vectors_per_pair; ++k) {
-      const Eigen::Map<const Eigen::Vector3d> d(&pair_values_[3 * (pair * vectors_per_pair + k)]);
+    for (std::size_t k = 0; k < vectors; ++k) {
+      const Eigen::Map<const Eigen::Vector3d> d(&pair_values_[3 * (pair * vectors + k)]);
       block += d * d.transpose();
     }
     return block;
@@ -299,17 +309,18 @@ SparseRows AffineOperator::coupling(const Context& context) const {
               }
           };
           Eigen::Matrix3d own = Eigen::Matrix3d::Zero();
-          int next_column = 0, diagonal = 0;
+          // The block of v itself comes between those of smaller and larger vertices.
+          const auto is_smaller = [&](Index pair) { return pairs_[pair][1] == v; };
+          const auto smaller = std::count_if(pairs_at_[v].begin(), pairs_at_[v].end(), is_smaller);
+          int column = 0;
           for (const Index pair : pairs_at_[v]) {
             const auto [i, j] = pairs_[pair];
-            if (j == v) diagonal = next_column + width;  // after the smaller vertices
-            const int at = i == v ? next_column + width : next_column;
             const Eigen::Matrix3d block = block_of(pair);
             own += block;
-            write(i == v ? j : i, -block, at);
-            next_column += width;
+            write(i == v ? j : i, -block, is_smaller(pair) ? column : column + width);
+            column += width;
           }
-          write(v, own, diagonal);
+          write(v, own, static_cast<int>(smaller) * width);
         }
       },
       context);
@@ -320,8 +331,8 @@ EnergyRows AffineOperator::release_rows() {
   EnergyRows rows;
   rows.L.swap(L_);  // Eigen's matrices are copied where they would be moved
   rows.delta.swap(delta_);
-  take_over(rows.P, P());
-  pair_values_ = {};
+  take_over(rows.P, P({.threads = 1}));
+  std::vector<double>().swap(pair_values_);
   return rows;
 }
 

@@ -161,7 +161,7 @@ TEST_F(DenseCholesky, SubstitutesNarrowlyForAnyNumberOfColumns) {
 
 TEST_F(DenseCholesky, SubstitutesWidelyRowByRow) {
   for_all_instructions([](platform::VectorInstructions instructions) {
-    using Rows = Eigen::Matrix<double, Eigen::Dynamic, wide, Eigen::RowMajor>;
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, wide_columns, Eigen::RowMajor>;
     const auto row_by_row = [&](const auto& solve) {
       return [&](const double* panel, int rows, int columns, double* x, int width) {
         Eigen::Map<MatrixXd> by_columns(x, rows, width);
@@ -170,8 +170,8 @@ TEST_F(DenseCholesky, SubstitutesWidelyRowByRow) {
         by_columns = by_rows;
       };
     };
-    expect_forward(row_by_row(solve_wide_panel), {wide});
-    expect_backward(row_by_row(solve_wide_panel_transposed), {wide});
+    expect_forward(row_by_row(solve_wide_panel), {wide_columns});
+    expect_backward(row_by_row(solve_wide_panel_transposed), {wide_columns});
   });
 }
 

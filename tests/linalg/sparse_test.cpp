@@ -49,6 +49,27 @@ TEST(Sparse, TimesColumnsIsEigensProduct) {
     }
 }
 
+TEST(Sparse, TimesColumnsWithEachOfTheProcessorsInstructions) {
+  using platform::VectorInstructions;
+  for (const auto instructions :
+       {VectorInstructions::baseline, VectorInstructions::avx2, VectorInstructions::avx512}) {
+    if (instructions > platform::vector_instructions()) continue;
+    SCOPED_TRACE(static_cast<int>(instructions));
+    for (const SparsePair& family : sparse_families())
+      for (const int columns : {0, 1, 2, 3, 4, 5, 7, 8, 11, 16, 19, 31, 32, 35, 67}) {
+        const Columns x = Columns::Random(family.a.cols(), columns + 2);
+        const Columns expected = family.a * x.middleCols(1, columns);
+        Columns product;
+        multiply(family.a, x, 1, columns, product, {}, instructions);
+        EXPECT_LE((product - expected).norm(), 1e-12 * expected.norm()) << family.name << columns;
+        const Columns all = family.a * x, before = Columns::Random(family.a.rows(), columns + 2);
+        Columns sum = before;
+        add_product(family.a, x, sum, {}, instructions);
+        EXPECT_LE((sum - before - all).norm(), 1e-12 * (before.norm() + all.norm())) << family.name << columns;
+      }
+  }
+}
+
 TEST(Sparse, TimesSomeColumnsIsThatPartOfTheProduct) {
   for (const SparsePair& family : sparse_families()) {
     const Columns x = Columns::Random(family.a.cols(), 23), all = multiply(family.a, x);

@@ -100,7 +100,7 @@ class LinearSolver {
   /// N is not.
   virtual void factorise(const NormalMatrix& lower, const Context& context = {}) = 0;
 
-  /// Does the same and empties `lower` as soon as it has been read. Its memory is free for the factor then.
+  /// Does the same. Empties `lower` once it has been read, for its memory, perhaps also if it throws.
   virtual void factorise_and_free(NormalMatrix& lower, const Context& context = {}) {
     factorise(lower, context);
     NormalMatrix().swap(lower);
@@ -120,7 +120,7 @@ class LinearSolver {
   /// Right-hand sides or solutions (unknowns×k), stored row by row.
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// Replaces right-hand sides by their solutions. `multifrontal` needs no second block of that size then.
+  /// Replaces right-hand sides by their solutions, if possible in place. If it throws, x is unspecified.
   virtual void solve_in_place(Rows& x, const SolveOptions& options = {}, const Context& context = {}) const {
     x = solve(x, options, context);
   }

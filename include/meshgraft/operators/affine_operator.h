@@ -176,12 +176,12 @@ class AffineOperator {
 
   /// Makes P (rows of E_R × 3n). It is kept as a few numbers per pair, a tenth of its memory or a third.
   SparseRows P(const Context& context = {}) const;
-  /// Computes PᵀP m for maps m (3n×k) without making P.
+  /// Computes PᵀP m for maps m (3n×k) without making P. `product` must not be m.
   void couple(const LinearSolver::Rows& m, LinearSolver::Rows& product, const Context& context = {}) const;
   /// Computes PᵀP, which couples the maps of pairs.
   SparseRows coupling(const Context& context = {}) const;
 
-  /// Moves the rows of the energies out. H, the nodes and the pairs stay.
+  /// Moves L and Δ out, with P. `P`, `couple`, `coupling` and `A` must not be called then. The rest stays.
   EnergyRows release_rows();
 
   /// Computes A = [L − Δ H; P H] over all nodes, without constraints.
@@ -201,7 +201,7 @@ class AffineOperator {
   double mean_edge_length_ = 0;
   StencilNodes nodes_;
   std::vector<std::array<Index, 2>> pairs_;
-  // The rows of a pair are dᵀ (M_i − M_j) for a few vectors d, or the three of √w (M_i − M_j).
+  // Pairs ascend. Their rows are dᵀ (M_i − M_j) for one or two vectors d, or the integral √w (M_i − M_j).
   std::vector<double> pair_values_;  ///< the vectors of all pairs, or √w per pair for integral rows
   IndexLists pairs_at_;              ///< per vertex: its pairs, by the other vertex
   std::shared_ptr<const IntrinsicEdges> intrinsic_edges_;

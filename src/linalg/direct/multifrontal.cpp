@@ -238,12 +238,14 @@ struct NarrowLayout {
   }
 };
 
-/// Row by row, for many. Rows are padded.
+/// Row by row, for many. Rows are padded with numbers that no other column reads.
 struct WideLayout {
   int width;
 
-  std::int64_t size(int rows) const { return static_cast<std::int64_t>(rows) * wide; }
-  std::int64_t at(int, int row, int column) const { return static_cast<std::int64_t>(row) * wide + column; }
+  std::int64_t size(int rows) const { return static_cast<std::int64_t>(rows) * wide_columns; }
+  std::int64_t at(int, int row, int column) const {
+    return static_cast<std::int64_t>(row) * wide_columns + column;
+  }
   void solve(const double* panel, int rows, int columns, double* x) const {
     solve_wide_panel(panel, rows, columns, x);
   }
@@ -256,9 +258,10 @@ struct WideLayout {
 
 void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& context) const {
   if (x.rows() == 0) return;
-  constexpr int few = 12;  // chosen: two passes for six right-hand sides each take as long as a wide one
-  for (Eigen::Index begin = 0; begin < x.cols(); begin += wide) {
-    const auto width = static_cast<int>(std::min<Eigen::Index>(wide, x.cols() - begin));
+  constexpr int few =
+      12;  // The narrow kernel takes six at a time: twelve take it as long as up to 32 take the wide one.
+  for (Eigen::Index begin = 0; begin < x.cols(); begin += wide_columns) {
+    const auto width = static_cast<int>(std::min<Eigen::Index>(wide_columns, x.cols() - begin));
     if (width <= few)
       substitute(x.middleCols(begin, width), NarrowLayout{width}, context);
     else

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "direction.h"
 #include "linalg/lanes.h"
 
 namespace meshgraft {
 
 namespace {
+
+using simd::Lanes;
+using simd::load;
+using simd::store;
 
 constexpr int strip = 4;   ///< columns of the panel processed together
 constexpr int widest = 6;  ///< right-hand sides processed together

@@ -2,11 +2,16 @@
 
 #include <cstdint>
 
+#include "direction.h"
 #include "linalg/lanes.h"
 
 namespace meshgraft {
 
 namespace {
+
+using simd::Lanes;
+using simd::load;
+using simd::store;
 
 constexpr int wide_strip =
     6;  ///< columns of the panel processed together: their part of x just fits the registers
@@ -38,7 +43,9 @@ struct Strip {
   MESHGRAFT_INLINE double at(int r, int q) const {
     return panel[r + static_cast<std::int64_t>(first + q) * rows];
   }
-  MESHGRAFT_INLINE double* row_of(double* x, int r) const { return x + static_cast<std::int64_t>(r) * wide; }
+  MESHGRAFT_INLINE double* row_of(double* x, int r) const {
+    return x + static_cast<std::int64_t>(r) * wide_columns;
+  }
 };
 
 template <int lanes, int vectors, int columns>
@@ -78,7 +85,7 @@ MESHGRAFT_INLINE void solve_wide_strip_transposed(const Strip& l, double* x) {
 template <int lanes, int vectors, int columns = wide_strip>
 MESHGRAFT_INLINE void solve_wide_forward(const double* panel, int rows, int first, int end, double* x) {
   for (; first + columns <= end; first += columns)
-    for (int side = 0; side < wide; side += lanes * vectors)
+    for (int side = 0; side < wide_columns; side += lanes * vectors)
       solve_wide_strip<lanes, vectors, columns>({panel, rows, first}, x + side);
   if constexpr (columns > 1) solve_wide_forward<lanes, vectors, columns / 2>(panel, rows, first, end, x);
 }
@@ -89,7 +96,7 @@ MESHGRAFT_INLINE void solve_wide_backward(const double* panel, int rows, int beg
   const int whole = begin + (end - begin) / columns * columns;
   if constexpr (columns > 1) solve_wide_backward<lanes, vectors, columns / 2>(panel, rows, whole, end, x);
   for (int first = whole - columns; first >= begin; first -= columns)
-    for (int side = 0; side < wide; side += lanes * vectors)
+    for (int side = 0; side < wide_columns; side += lanes * vectors)
       solve_wide_strip_transposed<lanes, vectors, columns>({panel, rows, first}, x + side);
 }
 

@@ -8,10 +8,10 @@ namespace meshgraft {
 // read, so that the panel need not be packed as BLAS does. The last bits of a result depend on the vector
 // instructions, which are by default the widest that the processor has.
 
-constexpr int wide = 32;  ///< number of right-hand sides
+constexpr int wide_columns = 32;  ///< number of right-hand sides
 
-/// Computes x₁ ← L₁₁⁻¹ x₁, then x₂ ← x₂ − L₂₁ x₁. `panel` is rows×columns, column-major; x is rows×wide, stored
-/// row by row.
+/// Computes x₁ ← L₁₁⁻¹ x₁, then x₂ ← x₂ − L₂₁ x₁. `panel` is rows×columns, column-major; x is
+/// rows×wide_columns, stored row by row.
 void solve_wide_panel(const double* panel, int rows, int columns, double* x,
                       platform::VectorInstructions instructions = platform::vector_instructions());
 

@@ -58,7 +58,7 @@ IndexLists make_lists(Index count, MakeScratch make_scratch, Fill fill, const Co
   for (auto& block : values) {
     context.throw_if_stopped();
     lists.values.insert(lists.values.end(), block.begin(), block.end());
-    block = {};
+    std::vector<Index>().swap(block);
   }
   return lists;
 }

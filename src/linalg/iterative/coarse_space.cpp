@@ -194,7 +194,7 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
     std::vector<BlockEntry>& row = rows[a];
     for (BlockLists& of_part : sums) {
       row.insert(row.end(), of_part[a].begin(), of_part[a].end());
-      of_part[a] = {};
+      std::vector<BlockEntry>().swap(of_part[a]);
     }
     std::stable_sort(row.begin(), row.end(), [](const auto& x, const auto& y) { return x.column < y.column; });
     std::size_t kept = 0;
@@ -230,7 +230,7 @@ NormalMatrix CoarseSpace::restrict_matrix(const BlockMatrix& matrix, const Conte
           const bool idle = a == b && row == column && !(block(row, row) > 0);
           coarse.valuePtr()[at] = idle ? 1.0 : block(row, column);
         }
-    rows[a] = {};
+    std::vector<BlockEntry>().swap(rows[a]);
   }
   return coarse;
 }
@@ -325,6 +325,7 @@ void CoarseSpace::prolong(const Eigen::MatrixXd& y, FourColumns& x, const Contex
                    rows_of(x));
       },
       context, 2048);
+  // The rows of shared nodes are coarse unknowns themselves.
   for (Index a = first_shared_; a < count_; ++a)
     for (const Index node : members_[a]) {
       const Eigen::Index first = Eigen::Index{nodes.width} * node;

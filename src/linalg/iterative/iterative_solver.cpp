@@ -11,7 +11,6 @@
 #include "coarse_space.h"
 #include "core/parallel.h"
 #include "linalg/backends.h"
-#include "linalg/blas_threads.h"
 #include "linalg/facts.h"
 
 namespace meshgraft {
@@ -103,7 +102,6 @@ class IterativeSolver final : public LinearSolver {
   }
 
   void solve_in_place(Rows& x, const SolveOptions& options, const Context& context) const override {
-    const SingleThreadedBlas single_threaded(context);  // once, not in every coarse solve
     int iterations = 0;
     for (Eigen::Index first = 0; first < x.cols(); first += 4)
       iterations = std::max(iterations, solve_four(x, first, options, context));
