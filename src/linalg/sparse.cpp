@@ -128,6 +128,10 @@ template <Result result>
 void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Columns& y,
                           const Context& context, platform::VectorInstructions instructions) {
   assert(a.isCompressed());
+  if (a.nonZeros() == 0) {  // x may have no rows, and no memory
+    if (result == Result::set) y.setZero();
+    return;
+  }
   const auto kernel = [&] {
     switch (instructions) {
       case platform::VectorInstructions::avx512: return multiply_avx512<result>;
