@@ -6,7 +6,8 @@ const secondAttempts: Reporter = {
   onTestCaseResult(test) {
     if (!test.diagnostic()?.flaky) return;
     const [error] = test.result().errors ?? [];
-    const place = /[\w/]+\.test\.ts:\d+/.exec(error?.stack ?? "")?.[0].split("/page/tests/").at(-1) ?? test.module.moduleId;
+    const line = /[\w/]+\.test\.ts:\d+/.exec(error?.stack ?? "")?.[0];
+    const place = line?.split("/page/tests/").at(-1) ?? test.module.moduleId;
     console.log(`passed at a second attempt: ${place}: ${test.name}: ${error?.message.split("\n")[0] ?? ""}`);
   },
 };

@@ -333,6 +333,7 @@ EnergyRows AffineOperator::release_rows() {
   rows.delta.swap(delta_);
   take_over(rows.P, P({.threads = 1}));
   std::vector<double>().swap(pair_values_);
+  pairs_at_ = {};
   return rows;
 }
 

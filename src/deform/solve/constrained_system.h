@@ -89,8 +89,8 @@ class ConstrainedSystem {
   /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any
   /// number of columns. `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
-  /// Solves the same by one back-substitution, for many columns. `coupling` is PᵀP. The rows of E_R, four
-  /// times as many as those of the maps, are then never written out.
+  /// Solves the same by one back-substitution, without corrections. `coupling` is PᵀP, which serves a caller
+  /// that has many fields.
   Columns respond(const Known& values, const MapField& field, const SparseRows& coupling,
                   const Context& context) const;
   SparseRows coupling(const Context& context) const;  ///< Returns PᵀP.
