@@ -10,7 +10,6 @@
 #include "exponential_map.h"
 #include "merge/facts.h"
 #include "mesh/edge_table.h"
-#include "mesh/refine.h"
 
 namespace meshgraft {
 
@@ -73,14 +72,11 @@ std::ptrdiff_t inner_euler_characteristic(const PreparedTarget& target, const Fo
 
 }  // namespace
 
-std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double radius,
-                                        const Context& context) {
-  PreparedTarget target(std::move(mesh), context);
-  SurfacePoint point = find_surface_point(target, drop);
+Chart make_chart(PreparedTarget target, SurfacePoint point, double radius, const Context& context) {
   const Vector normal = mean_normal(target, point, 0), axis = normal.transpose().unitOrthogonal().transpose();
   PlanePoints uv = exponential_map(target.mesh.positions, target.normals, target.rings,
                                    {point.point, normal, axis, point.corners}, radius, context);
-  return std::make_shared<Chart>(Chart{std::move(target), std::move(point), normal, axis, std::move(uv)});
+  return {std::move(target), std::move(point), normal, axis, std::move(uv)};
 }
 
 double width_of(const PreparedTarget& target, const Footprint& footprint) {
@@ -108,7 +104,8 @@ Footprint lay_outline(const Chart& chart, const Outline& outline, double size, c
   return cover_as_wide(chart.target, outline, size, chart.uv * turn);
 }
 
-std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint& footprint, double size) {
+std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint& footprint, double size,
+                                  const std::function<Index(Index)>& index_of) {
   if (footprint.inside.empty()) return facts::merge::LoopSmallerThanFaces{.size = size};
   std::vector<Index> around;
   bool crossed = false;
@@ -129,16 +126,16 @@ std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint&
     const auto along = table.half_edges[e];
     const auto tail = [&](std::size_t k) { return patch.faces.corners()[along[k]]; };
     if (along.size() > 2 || (along.size() == 2 && tail(0) == tail(1)))
-      return facts::merge::HoleNotManifold{.vertex = a, .other_vertex = b, .size = size};
+      return facts::merge::HoleNotManifold{.vertex = index_of(a), .other_vertex = index_of(b), .size = size};
   }
   for (const std::vector<Index>& loop : boundary_loops(patch))
     for (const Index v : loop)
-      if (footprint.is_inside(v)) return facts::merge::HoleReachesBoundary{.vertex = v, .size = size};
+      if (footprint.is_inside(v)) return facts::merge::HoleReachesBoundary{.vertex = index_of(v), .size = size};
   if (inner_euler_characteristic(target, footprint) != 1) return facts::merge::HoleNotDisc{.size = size};
   return std::nullopt;
 }
 
-std::shared_ptr<const Mesh> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,
+std::optional<RefineResult> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,
                                           const Context& context) {
   const auto is_long = [&](Index a, Index b) {
     if (!footprint.uv.row(a).allFinite() || !footprint.uv.row(b).allFinite()) return false;
@@ -152,8 +149,8 @@ std::shared_ptr<const Mesh> refine_around(const Mesh& mesh, const Footprint& foo
     for (std::size_t c = 0; c < face.size(); ++c)
       for (std::size_t d = 0; d < c; ++d) any = any || is_long(face[c], face[d]);
   }
-  if (!any) return nullptr;
-  return std::make_shared<const Mesh>(split_edges(mesh, is_long, context).mesh);
+  if (!any) return std::nullopt;
+  return split_edges(mesh, is_long, context);
 }
 
 }  // namespace meshgraft

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <memory>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/core/error.h>
 #include <meshgraft/mesh/mesh.h>
+
+#include "mesh/refine.h"
 
 #include "placement.h"
 #include "prepared_target.h"
@@ -24,8 +26,7 @@ struct Chart {
   PlanePoints uv;                         ///< per vertex; NaN beyond the radius
 };
 
-std::shared_ptr<const Chart> make_chart(std::shared_ptr<const Mesh> mesh, const Drop& drop, double radius,
-                                        const Context& context);
+Chart make_chart(PreparedTarget target, SurfacePoint point, double radius, const Context& context);
 
 /// The part of a surface that an outline covers.
 struct Footprint {
@@ -43,11 +44,13 @@ Footprint lay_outline(const Chart& chart, const Outline& outline, double size, c
 /// Returns the width of a footprint: the square root of the norm of its boundary's area vector.
 double width_of(const PreparedTarget& target, const Footprint& footprint);
 
-/// Returns the reason why the footprint cannot be cut out, if there is one. `size` is named in it.
-std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint& footprint, double size);
+/// Returns the reason why the footprint cannot be cut out, if there is one. It names `size`, and vertices as
+/// `index_of` does.
+std::optional<Note> find_obstacle(const PreparedTarget& target, const Footprint& footprint, double size,
+                                  const std::function<Index(Index)>& index_of = std::identity());
 
-/// Halves edges around the outline that are longer than `longest`. Returns null where there are none.
-std::shared_ptr<const Mesh> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,
+/// Halves edges around the outline that are longer than `longest`. Returns nothing where there are none.
+std::optional<RefineResult> refine_around(const Mesh& mesh, const Footprint& footprint, double longest,
                                           const Context& context);
 
 }  // namespace meshgraft

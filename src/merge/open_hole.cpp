@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -20,6 +21,7 @@
 #include "flat_loop.h"
 #include "footprint.h"
 #include "merge/facts.h"
+#include "mesh/mesh_part.h"
 #include "placement.h"
 #include "prepared_target.h"
 
@@ -84,46 +86,106 @@ Vector boundary_centre(const FitResult& fit) {
   return centre + height / static_cast<double>(count) * fit.placement.normal;
 }
 
+/// Points of triangles near a source, three for each.
+class NearTriangles {
+ public:
+  explicit NearTriangles(const Eigen::AlignedBox3d& box) : box_(box) {}
+
+  /// Adds the triangles of a surface that are `chosen` (by index) and meet the box.
+  void add(const PreparedTarget& surface, const std::function<bool(Eigen::Index)>& chosen) {
+    for (Eigen::Index t = 0; t < surface.triangles.rows(); ++t) {
+      Eigen::AlignedBox3d box;
+      for (const Index v : surface.triangles.row(t)) box.extend(surface.mesh.positions.row(v).transpose());
+      if (!box_.intersects(box) || !chosen(t)) continue;
+      for (const Index v : surface.triangles.row(t)) points_.push_back(surface.mesh.positions.row(v));
+    }
+  }
+  const std::vector<Vector>& points() const { return points_; }
+
+ private:
+  Eigen::AlignedBox3d box_;
+  std::vector<Vector> points_;
+};
+
 /// Returns whether the undeformed source in this placement intersects the target outside the radius around
 /// the source's loop.
-bool cuts_through(const Mesh& source, const FlatLoop& loop, const FitResult& fit, const Context& context) {
-  const PreparedTarget& target = fit.chart->target;
+bool cuts_through(const Mesh& source, const FlatLoop& loop, const SizeSearch& search, const FitResult& fit,
+                  const Context& context) {
   const Eigen::Affine3d map = placement_map(loop, fit.placement, fit.size, boundary_centre(fit));
   const Points posed = (source.positions * map.linear().transpose()).rowwise() + map.translation().transpose();
   const Triangles triangles = triangulate(source, {.skip_out_of_range = true}).triangles;
-  const Index offset = target.mesh.vertex_count();
-  std::vector<Index> corners;
-  for (const auto& t : target.triangles.rowwise())
-    if (std::none_of(t.begin(), t.end(), [&](Index v) { return fit.footprint.is_inside(v); }))
-      corners.insert(corners.end(), t.begin(), t.end());
-  const auto of_target = static_cast<Index>(corners.size() / 3);
   const double radius = loop.outline.width() / std::sqrt(std::numbers::pi);
   const std::vector<double> away = edge_distance(
       loop.vertices, source.positions, vertex_rings(source.vertex_count(), triangles), {.limit = radius});
-  std::vector<Index> free;
+  std::vector<Index> corners;
+  Eigen::AlignedBox3d box;
   for (const auto& t : triangles.rowwise()) {
     if (std::any_of(t.begin(), t.end(), [&](Index v) { return std::isfinite(away[v]); })) continue;
-    for (const Index v : t) {
-      corners.push_back(offset + v);
-      free.push_back(offset + v);
-    }
+    corners.insert(corners.end(), t.begin(), t.end());
+    for (const Index v : t) box.extend(posed.row(v).transpose());
   }
-  Points points(offset + posed.rows(), 3);
-  points << target.mesh.positions, posed;
+  const std::vector<Index> free = corners;
+  const auto of_source = static_cast<Index>(corners.size() / 3);
+
+  NearTriangles near(box);
+  const std::vector<Index>& in_part = fit.part->faces;
+  near.add(search.target(), [&](Eigen::Index t) {
+    return !std::binary_search(in_part.begin(), in_part.end(), search.target().face_of_triangle[t]);
+  });
+  const PreparedTarget& part = fit.chart->target;
+  near.add(part, [&](Eigen::Index t) {
+    const auto corners = part.triangles.row(t);
+    return std::none_of(corners.begin(), corners.end(), [&](Index v) { return fit.footprint.is_inside(v); });
+  });
+  const auto of_target = static_cast<Eigen::Index>(near.points().size());
+  Points points(posed.rows() + of_target, 3);
+  points.topRows(posed.rows()) = posed;
+  for (Eigen::Index k = 0; k < of_target; ++k) {
+    points.row(posed.rows() + k) = near.points()[k];
+    corners.push_back(static_cast<Index>(posed.rows() + k));
+  }
   const auto pairs = self_intersections(
       points, Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3),
       free, context);
   return std::any_of(pairs.begin(), pairs.end(),
-                     [&](const TrianglePair& pair) { return pair[0] < of_target && pair[1] >= of_target; });
+                     [&](const TrianglePair& pair) { return pair[0] < of_source && pair[1] >= of_source; });
+}
+
+/// A target with a cut part.
+struct CutTarget {
+  Mesh mesh;
+  IndexMap vertex;          ///< the target's vertices → `mesh`; -1 for those that were cut away
+  std::vector<Index> loop;  ///< of the hole
+};
+
+/// Puts the part of a target back after it was cut. The vertices on the cut follow all others.
+CutTarget put_back(const Mesh& target, const FitResult& fit, const CutResult& cut, const Context& context) {
+  const std::vector<Index>& loop = cut.loops.front();
+  const std::vector<Index>& in_target = fit.part->vertices;
+  Replacement replacement{cut.mesh, std::vector<Index>(cut.origin.size(), -1), cut.face_parent};
+  for (std::size_t v = 0; v < cut.origin.size(); ++v) {
+    const auto& [from, to, t] = cut.origin[v];
+    if (from == to && static_cast<std::size_t>(from) < in_target.size())
+      replacement.vertex[v] = in_target[from];
+  }
+  for (const Index v : loop) replacement.vertex[v] = -1;
+  for (Index& parent : replacement.face) parent = fit.face_parent[parent];
+  ReplaceResult replaced = replace_part(target, *fit.part, replacement, context);
+  const std::vector<Index>& new_index = replaced.replacement.new_index;
+  for (std::size_t k = 0; k < in_target.size(); ++k)
+    if (const Index v = cut.vertex.new_index[k]; v >= 0) replaced.whole.new_index[in_target[k]] = new_index[v];
+  CutTarget result{std::move(replaced.mesh), std::move(replaced.whole), {}};
+  for (const Index v : loop) result.loop.push_back(new_index[v]);
+  return result;
 }
 
 /// Cuts out the inside of the outline. Returns the reason where this is not possible.
-std::variant<OpenedHole, Note> cut_open(const FitResult& fit, const FlatLoop& loop, Index target_vertices,
+std::variant<OpenedHole, Note> cut_open(const Mesh& target, const FitResult& fit, const FlatLoop& loop,
                                         const Context& context) {
   constexpr double snap = 0.25;  // the ring around the hole is removed anyway
   const PlanePoints& uv = fit.footprint.uv;
-  CutResult cut = cut_at_zero(fit.chart->target.mesh, fit.footprint.values,
-                              {.keep = CutKeep::above, .snap = snap}, context);
+  const CutResult cut = cut_at_zero(fit.chart->target.mesh, fit.footprint.values,
+                                    {.keep = CutKeep::above, .snap = snap}, context);
   if (cut.loops.size() != 1) return Note(facts::merge::HoleNotDisc{.size = fit.size});
   std::vector<double> arcs;
   for (const Index v : cut.loops.front()) {
@@ -131,12 +193,12 @@ std::variant<OpenedHole, Note> cut_open(const FitResult& fit, const FlatLoop& lo
     const Eigen::RowVector2d at = (1 - origin.t) * uv.row(origin.from) + origin.t * uv.row(origin.to);
     arcs.push_back(loop.outline.arc_of_nearest(at / fit.footprint.scale));
   }
+  CutTarget cut_target = put_back(target, fit, cut, context);
   OpenedHole hole;
-  hole.pair = {{loop.vertices, cut.loops.front()},
-               matches_along(loop.outline, loop.vertices, cut.loops.front(), arcs)};
-  hole.vertex = std::move(cut.vertex);
-  hole.vertex.new_index.resize(target_vertices);
-  hole.target = std::move(cut.mesh);
+  hole.pair.matches = matches_along(loop.outline, loop.vertices, cut_target.loop, arcs);
+  hole.pair.loops = {loop.vertices, std::move(cut_target.loop)};
+  hole.vertex = std::move(cut_target.vertex);
+  hole.target = std::move(cut_target.mesh);
   hole.size = fit.size;
   return hole;
 }
@@ -144,13 +206,13 @@ std::variant<OpenedHole, Note> cut_open(const FitResult& fit, const FlatLoop& lo
 constexpr int most_tries_to_clear = 4;
 
 /// Returns advice for a source that reaches into the target.
-Note advice_to_clear(const Mesh& source, const FlatLoop& loop, const SizeSearch& search, double size,
+Note advice_to_clear(const Mesh& source, const FlatLoop& loop, SizeSearch& search, double size,
                      const Context& context) {
   double other = size;
   for (int k = 0; k < most_tries_to_clear; ++k) {
     other *= next_size_ratio;
     const SizeTrial trial = search.at(other, true);
-    if (trial.fit && !cuts_through(source, loop, *trial.fit, context))
+    if (trial.fit && !cuts_through(source, loop, search, *trial.fit, context))
       return facts::merge::IntersectionAvoidedIfSmaller{.size = size, .smaller_size = other};
   }
   return facts::merge::SourceReachesIn{};
@@ -162,15 +224,15 @@ OpenedHole open_at_size(const Mesh& target, const Mesh& source, const FlatLoop& 
   const double size = *drop.size;
   if (size < range.least)
     throw Error(facts::merge::SizeTooSmall{.size = size, .least = 1.1 * range.least}, "size");
-  const SizeSearch search(target, loop, drop, std::min(size, range.largest), context);
+  SizeSearch search(target, loop, drop, std::min(size, range.largest), context);
   Note why = facts::merge::LoopLargerThanTarget{.size = size};
   if (size <= range.largest) {
     const SizeTrial trial = search.at(size, true);
     if (trial.misfit) why = *trial.misfit;
     if (trial.fit) {
-      auto opened = cut_open(*trial.fit, loop, target.vertex_count(), context);
+      auto opened = cut_open(target, *trial.fit, loop, context);
       if (auto* hole = std::get_if<OpenedHole>(&opened)) {
-        hole->clear = !cuts_through(source, loop, *trial.fit, context);
+        hole->clear = !cuts_through(source, loop, search, *trial.fit, context);
         if (!hole->clear) hole->notes.push_back(advice_to_clear(source, loop, search, size, context));
         return std::move(*hole);
       }
@@ -190,10 +252,10 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
   const SizeRange range(target, loop);
   if (range.least > 1) throw Error(facts::merge::SourceTooSmall{.least = 1.1 * range.least}, "size");
   const double least = std::min(next_size_ratio, least_width * range.largest);
-  const SizeSearch search(target, loop, drop, std::min(1.0, range.largest), context);
+  SizeSearch search(target, loop, drop, std::min(1.0, range.largest), context);
   Note why = facts::merge::LoopLargerThanTarget{.size = 1};
   const auto open = [&](const FitResult& fit, const Note& reason) -> std::optional<OpenedHole> {
-    auto opened = cut_open(fit, loop, target.vertex_count(), context);
+    auto opened = cut_open(target, fit, loop, context);
     if (auto* hole = std::get_if<OpenedHole>(&opened)) {
       if (fit.size < 1) hole->notes = {facts::merge::SourceScaled{.size = fit.size}, reason};
       return std::move(*hole);
@@ -209,7 +271,7 @@ OpenedHole open_at_largest_size(const Mesh& target, const Mesh& source, const Fl
     const SizeTrial trial = search.at(size, false);
     if (trial.misfit) {
       why = *trial.misfit;
-    } else if (!cuts_through(source, loop, *trial.fit, context)) {
+    } else if (!cuts_through(source, loop, search, *trial.fit, context)) {
       if (auto hole = open(*trial.fit, why)) return *std::move(hole);
     } else {
       ++tries;
@@ -247,7 +309,7 @@ std::variant<OpenedHole, Note> open_hole_for_loop(const Mesh& target, const Flat
   if (size > range.largest) return Note(facts::merge::LoopLargerThanTarget{.size = size});
   const SizeTrial trial = SizeSearch(target, loop, drop, size, context).at(size, true);
   if (trial.misfit) return *trial.misfit;
-  return cut_open(*trial.fit, loop, target.vertex_count(), context);
+  return cut_open(target, *trial.fit, loop, context);
 }
 
 struct DropGuide::Prepared {

@@ -62,8 +62,8 @@ HolesOrReason open_for_feet(const Standing& standing, const Drop& drop, double s
   for (const FlatLoop& foot : standing.feet) {
     const FlatLoop posed = moved(foot, map);
     const auto current = std::make_shared<const Mesh>(std::move(holes.target));
-    const PreparedTarget prepared(current, context);
-    const SurfacePoint below = find_nearest_point(prepared, posed.centre);
+    const Triangles triangles = triangulate(*current, {.skip_out_of_range = true}).triangles;
+    const SurfacePoint below = find_nearest_point(current->positions, triangles, posed.centre);
     if ((below.point - posed.centre).norm() > most_above * size * standing.hull.outline.width())
       return Note(facts::merge::FootBesideSurface{.size = size});
     const Drop here{.surface_point = Eigen::Vector3d(below.point.transpose()), .size = 1};

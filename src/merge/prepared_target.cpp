@@ -44,12 +44,11 @@ Vector nearest_in_triangle(const Vector& p, const Vector& a, const Vector& b, co
 
 }  // namespace
 
-SurfacePoint find_nearest_point(const PreparedTarget& target, const Vector& point) {
-  const Points& x = target.mesh.positions;
+SurfacePoint find_nearest_point(const Points& x, const Triangles& triangles, const Vector& point) {
   double least = std::numeric_limits<double>::infinity();
   SurfacePoint best{point, {}};
-  for (Eigen::Index t = 0; t < target.triangles.rows(); ++t) {
-    const auto corners = target.triangles.row(t);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const auto corners = triangles.row(t);
     const Vector q = nearest_in_triangle(point, x.row(corners[0]), x.row(corners[1]), x.row(corners[2]));
     const double distance = (q - point).norm();
     if (!(distance < least)) continue;
@@ -60,9 +59,14 @@ SurfacePoint find_nearest_point(const PreparedTarget& target, const Vector& poin
 }
 
 PreparedTarget::PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, const Context& context)
+    : PreparedTarget(shared_mesh, triangulate(*shared_mesh, {.skip_out_of_range = true}), context) {}
+
+PreparedTarget::PreparedTarget(std::shared_ptr<const Mesh> shared_mesh, Triangulation triangulation,
+                               const Context& context)
     : shared(std::move(shared_mesh)),
       mesh(*shared),
-      triangles(triangulate(mesh, {.skip_out_of_range = true}).triangles),
+      triangles(std::move(triangulation.triangles)),
+      face_of_triangle(std::move(triangulation.face)),
       rings(vertex_rings(mesh.vertex_count(), triangles, context)),
       normals(vertex_normals(mesh)) {}
 
@@ -81,21 +85,27 @@ void validate(const Drop& drop, const Mesh& target) {
                 "surface_point");
 }
 
-SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) {
-  constexpr double near_surface = 0.05;  // × the target's diagonal
+SurfacePoint locate(const PreparedTarget& target, const Drop& drop) {
   if (const auto* vertex = std::get_if<Index>(&drop.surface_point)) {
     if (target.rings[*vertex].empty())
       throw Error(facts::merge::VertexWithoutFace{.vertex = *vertex}, "surface_point");
     return {target.mesh.positions.row(*vertex), {*vertex}};
   }
-  const Vector point = std::get<Eigen::Vector3d>(drop.surface_point).transpose();
   if (target.triangles.rows() == 0) throw Error(facts::merge::TargetWithoutFaces{});
-  SurfacePoint found = find_nearest_point(target, point);
-  const double distance = (found.point - point).norm();
+  return find_nearest_point(target.mesh.positions, target.triangles,
+                            std::get<Eigen::Vector3d>(drop.surface_point).transpose());
+}
+
+SurfacePoint find_surface_point(const PreparedTarget& target, const Drop& drop) {
+  constexpr double near_surface = 0.05;  // × the target's diagonal
+  SurfacePoint found = locate(target, drop);
+  const auto* point = std::get_if<Eigen::Vector3d>(&drop.surface_point);
+  if (point == nullptr) return found;
+  const double distance = (found.point.transpose() - *point).norm();
   if (!(distance <= near_surface * box_diagonal(target.mesh.positions)))
-    throw Error(facts::merge::PointOffSurface{.x = point.x(),
-                                              .y = point.y(),
-                                              .z = point.z(),
+    throw Error(facts::merge::PointOffSurface{.x = point->x(),
+                                              .y = point->y(),
+                                              .z = point->z(),
                                               .distance = distance,
                                               .nearest_x = found.point.x(),
                                               .nearest_y = found.point.y(),

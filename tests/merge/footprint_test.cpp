@@ -10,6 +10,12 @@
 namespace meshgraft {
 namespace {
 
+std::shared_ptr<const Chart> chart_at(std::shared_ptr<const Mesh> mesh, const Drop& drop, double radius) {
+  PreparedTarget target(std::move(mesh), {});
+  SurfacePoint point = find_surface_point(target, drop);
+  return std::make_shared<const Chart>(make_chart(std::move(target), std::move(point), radius, {}));
+}
+
 /// An outline on a target.
 struct FootprintCase {
   std::shared_ptr<const Chart> chart;
@@ -19,7 +25,7 @@ struct FootprintCase {
   FootprintCase(const test::TestMesh& mesh, Index vertex, const FlatLoop& loop, double size,
                 double spin_deg = 0) {
     const Drop drop{vertex};
-    chart = make_chart(test::shared_mesh(mesh), drop, 1.5 * size * loop.outline.reach(), {});
+    chart = chart_at(test::shared_mesh(mesh), drop, 1.5 * size * loop.outline.reach());
     placement = place_outline(chart->target, chart->point, loop, size, spin_deg);
     footprint = lay_outline(*chart, loop.outline, size, placement);
   }
@@ -114,9 +120,9 @@ TEST(RefineAround, HalvesUntilEdgesNearTheOutlineAreShort) {
     for (; halvings < 12; ++halvings) {
       const auto refined = refine_around(test.chart->target.mesh, test.footprint, longest, {});
       if (!refined) break;
-      fine = refined;
+      fine = std::make_shared<const Mesh>(refined->mesh);
       EXPECT_EQ(fine->positions.topRows(mesh.size()), mesh.positions);  // the old vertices stay
-      test.chart = make_chart(fine, {v}, 3 * loop.outline.reach(), {});
+      test.chart = chart_at(fine, {v}, 3 * loop.outline.reach());
       test.footprint = lay_outline(*test.chart, loop.outline, 2, test.placement);
     }
     EXPECT_GT(halvings, 0);
@@ -128,7 +134,7 @@ TEST(RefineAround, HalvesUntilEdgesNearTheOutlineAreShort) {
           EXPECT_LE((fine->positions.row(a) - fine->positions.row(b)).norm(), longest);
         }
       }
-    EXPECT_EQ(refine_around(*fine, test.footprint, 10, {}), nullptr);
+    EXPECT_FALSE(refine_around(*fine, test.footprint, 10, {}).has_value());
   }
 }
 

@@ -49,7 +49,7 @@ bool overlap_after(const Point2& a, const Point2& middle, const Point2& b) {
   return (a[0] - middle[0]) * (b[0] - middle[0]) + (a[1] - middle[1]) * (b[1] - middle[1]) > 0;
 }
 
-bool cross(std::span<const Point2> points, const OutlineEdge& s, const OutlineEdge& t) {
+bool edges_cross(std::span<const Point2> points, const OutlineEdge& s, const OutlineEdge& t) {
   if (s[1] == t[0]) return overlap_after(points[s[0]], points[s[1]], points[t[1]]);
   if (t[1] == s[0]) return overlap_after(points[t[0]], points[t[1]], points[s[1]]);
   return meet(points[s[0]], points[s[1]], points[t[0]], points[t[1]]);
@@ -140,7 +140,7 @@ std::optional<Point2> find_crossing(std::span<const Point2> points, const CapReg
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = i + 1; j < edges.size() && left(edges[j]) <= right(edges[i]); ++j) {
       check();
-      if (cross(points, edges[i], edges[j])) return points[edges[j][0]];
+      if (edges_cross(points, edges[i], edges[j])) return points[edges[j][0]];
     }
   }
   return {};
