@@ -10,6 +10,9 @@ std::unique_ptr<LinearSolver> make_multifrontal_solver();  // defined only if it
 std::unique_ptr<LinearSolver> make_eigen_solver();
 std::unique_ptr<LinearSolver> make_iterative_solver();
 
+/// Fills the bisection tree of a graph, unless it is filled or the multifrontal solver would not use it.
+void bisect_for_multifrontal(const OrderingGraph& graph, const Context& context);  // if it is built in
+
 /// Returns a solver with the analysis of `solver` and no factorisation, for another matrix of the same pattern.
 /// Returns null if its backend has no analysis to share.
 std::unique_ptr<LinearSolver> copy_analysis(const LinearSolver& solver);

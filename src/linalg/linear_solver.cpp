@@ -5,6 +5,7 @@
 #include <meshgraft/core/error.h>
 
 #include "backends.h"
+#include "early_bisection.h"
 #include "linalg/facts.h"
 
 namespace meshgraft {
@@ -53,6 +54,18 @@ std::unique_ptr<LinearSolver> copy_analysis([[maybe_unused]] const LinearSolver&
 #else
   return nullptr;
 #endif
+}
+
+std::future<void> begin_bisection([[maybe_unused]] const OrderingGraph& graph,
+                                  [[maybe_unused]] SolverBackend backend,
+                                  [[maybe_unused]] const Context& context) {
+#ifdef MESHGRAFT_HAS_MULTIFRONTAL
+  const bool is_multifrontal = backend == SolverBackend::automatic || backend == SolverBackend::multifrontal;
+  if (is_multifrontal && context.threads != 1)
+    return std::async(
+        [&graph, stop = context.stop_token] { bisect_for_multifrontal(graph, {.stop_token = stop}); });
+#endif
+  return std::async(std::launch::deferred, [] {});
 }
 
 double one_norm(const NormalMatrix& lower) {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <map>
+#include <utility>
 
 #include <Eigen/Geometry>
 
 #include "core/require_between.h"
-#include "core/stopwatch.h"
+#include "linalg/early_bisection.h"
 #include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
 #include "mesh/disjoint_sets.h"
@@ -37,13 +39,27 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
     if (!intrinsic_edges_ && options.method != DeformMethod::ft05)
       intrinsic_edges_ = std::make_shared<const IntrinsicEdges>(
           intrinsic_delaunay_edges(patch().points, triangles(), context));
-    build_system(options, context);
     summary.degenerate_vertices = count_degenerate();
   }
   summary.free_vertices = static_cast<Index>(free_.size());
-  summary.assemble_seconds = watch.lap();
+  if (patch().size() > 0) assemble_and_factorise(options, summary, watch, context);
+}
+
+/// Sets up the solver. The ordering graph is bisected beside the assembly of the rows, which takes about as
+/// long.
+void ConstrainedSystem::assemble_and_factorise(const DeformerOptions& options, DeformerSummary& summary,
+                                               Stopwatch& watch, const Context& context) {
+  const SparseRows F = choose_unknowns(context);
   if (E_.cols() == 0) return;
-  factorise(options, summary, context);
+  const OrderingGraph graph = ordering_graph();
+  std::future<void> bisection = begin_bisection(graph, options.backend, context);
+  build_rows(F, options, context);
+  NormalMatrix normal = normal_matrix(context);
+  normal_one_norm_ = one_norm(normal);
+  context.throw_if_stopped();
+  summary.assemble_seconds = watch.lap();
+  bisection.get();
+  factorise(std::move(normal), graph, options, summary, watch, context);
   prepare_similarities(context);
 }
 
@@ -207,9 +223,10 @@ SparseRows ConstrainedSystem::anchor_rows(Density density) {
   return rows;
 }
 
-/// Assembles the system. Its columns are each free vertex followed by its apex, then four for each feature:
-/// three of the map and one of the translation.
-void ConstrainedSystem::build_system(const DeformerOptions& options, const Context& context) {
+/// Numbers the unknowns: each free vertex followed by its apex, then four for each feature, three of the map
+/// and one of the translation. Returns F, by which features' unknowns give the maps of their vertices (3 rows
+/// each).
+SparseRows ConstrainedSystem::choose_unknowns(const Context& context) {
   const AffineOperator& op = operators_->rows();
   const Index n = patch().size();
   const Eigen::Index node_count = op.nodes().positions.rows();
@@ -249,8 +266,13 @@ void ConstrainedSystem::build_system(const DeformerOptions& options, const Conte
   context.throw_if_stopped();
   SparseRows F(3 * n, columns);
   F.setFromTriplets(F_entries.begin(), F_entries.end());
-  if (columns == 0) return;
+  return F;
+}
 
+/// Assembles the rows of the system.
+void ConstrainedSystem::build_rows(const SparseRows& F, const DeformerOptions& options,
+                                   const Context& context) {
+  const AffineOperator& op = operators_->rows();
   take_over(G_, multiply(H(), E_, context));
   if (F.nonZeros() > 0) G_ = SparseRows(G_ + F);
   take_over(A_L_, difference_of_products({op.L(), E_}, {op.delta(), G_}, context));
@@ -317,17 +339,10 @@ OrderingGraph ConstrainedSystem::ordering_graph() const {
   return graph;
 }
 
-void ConstrainedSystem::factorise(const DeformerOptions& options, DeformerSummary& summary,
+void ConstrainedSystem::factorise(NormalMatrix normal, const OrderingGraph& graph,
+                                  const DeformerOptions& options, DeformerSummary& summary, Stopwatch& watch,
                                   const Context& context) {
-  Stopwatch watch;
-  NormalMatrix normal = normal_matrix(context);
-  context.throw_if_stopped();
-  normal_one_norm_ = one_norm(normal);
-  context.throw_if_stopped();
-  summary.assemble_seconds += watch.lap();
-
   solver_ = make_solver(options.backend);
-  const OrderingGraph graph = ordering_graph();
   solver_->analyse(normal, graph, context);
   summary.analyse_seconds = watch.lap();
   solver_->factorise_and_free(normal, context);

@@ -9,6 +9,7 @@
 #include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/linalg/linear_solver.h>
 
+#include "core/stopwatch.h"
 #include "deform/setup/patch.h"
 #include "deform/setup/patch_operator.h"
 #include "deform/setup/region_mask.h"
@@ -158,7 +159,10 @@ class ConstrainedSystem {
   bool share(const ConstrainedSystem& other, const ConstrainedMesh& mesh, const Context& context);
   void restrict_to_patch(const ConstrainedMesh& mesh);
   void build_operator(const OperatorOptions& options, const Context& context);
-  void build_system(const DeformerOptions& options, const Context& context);
+  void assemble_and_factorise(const DeformerOptions& options, DeformerSummary& summary, Stopwatch& watch,
+                              const Context& context);
+  SparseRows choose_unknowns(const Context& context);
+  void build_rows(const SparseRows& F, const DeformerOptions& options, const Context& context);
   double area_of(const Eigen::RowVector3<Index>& corners) const;
   double free_area() const;
   std::vector<double> stiffness_scales(const DeformerOptions& options) const;
@@ -171,7 +175,8 @@ class ConstrainedSystem {
   void place_features(const Columns& y, PointsRef out) const;
   Index count_inverted(const Columns& maps) const;
   void weigh_anchors(const Context& context);
-  void factorise(const DeformerOptions& options, DeformerSummary& summary, const Context& context);
+  void factorise(NormalMatrix normal, const OrderingGraph& graph, const DeformerOptions& options,
+                 DeformerSummary& summary, Stopwatch& watch, const Context& context);
   Index count_degenerate() const;
   bool is_iterative() const;
 

@@ -9,10 +9,25 @@
 #include "bipartite_matching.h"
 #include "core/sparse_checks.h"
 #include "graph_partition.h"
+#include "linalg/backends.h"
 
 namespace meshgraft {
 
 namespace {
+
+/// Returns how many times a matrix with this ordering graph is cut.
+int cuts_of(const OrderingGraph& graph) {
+  constexpr std::size_t most_in_a_leaf = 500;
+  constexpr std::ptrdiff_t fewest_groups_in_a_leaf = 8;
+  Flags has_unknowns(graph.neighbours->size(), 0);
+  for (const Index group : graph.group)
+    if (group >= 0) has_unknowns[group] = 1;
+  const auto groups = std::count(has_unknowns.begin(), has_unknowns.end(), 1);
+  int levels = 0;
+  while ((graph.group.size() >> levels) > most_in_a_leaf && (groups >> levels) > fewest_groups_in_a_leaf)
+    ++levels;
+  return levels;
+}
 
 /// Returns the part of each unknown, or -1 without a group. `levels` is lowered to the number of cuts of the
 /// graph if the graph is cut fewer times.
@@ -79,15 +94,19 @@ int number_sets(int level, int prefix, std::vector<std::vector<int>>& set, std::
 
 }  // namespace
 
+bool is_worth_dissecting(const OrderingGraph& graph) {
+  constexpr std::size_t fewest_unknowns = 8'000;
+  return graph.neighbours != nullptr && graph.group.size() >= fewest_unknowns;
+}
+
+void bisect_for_multifrontal(const OrderingGraph& graph, const Context& context) {
+  if (is_worth_dissecting(graph) && graph.bisection->part.empty())
+    *graph.bisection = bisect_graph(graph, cuts_of(graph), context);
+}
+
 Dissection dissect(const NormalMatrix& lower, const OrderingGraph& graph, const Context& context) {
-  constexpr std::int64_t most_in_a_leaf = 500, fewest_groups_in_a_leaf = 8;
   const std::size_t count = lower.rows();
-  Flags has_unknowns(graph.neighbours->size(), 0);
-  for (const Index group : graph.group)
-    if (group >= 0) has_unknowns[group] = 1;
-  const std::int64_t groups = std::count(has_unknowns.begin(), has_unknowns.end(), 1);
-  int levels = 0;
-  while ((lower.rows() >> levels) > most_in_a_leaf && (groups >> levels) > fewest_groups_in_a_leaf) ++levels;
+  int levels = cuts_of(graph);
   const std::vector<int> part = parts_of_unknowns(graph, levels, context);
 
   // Collects the entries that cross the cuts of each level.

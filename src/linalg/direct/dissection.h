@@ -18,6 +18,9 @@ struct Dissection {
   bool is_leaf(int set) const { return set == 0 || parent[set - 1] != set; }
 };
 
+/// Returns whether a graph is known, and the matrix is large enough for dissection by it.
+bool is_worth_dissecting(const OrderingGraph& graph);
+
 /// Dissects a matrix by the cuts of an ordering graph. Bisecting the graph (METIS) is quick because it is
 /// small. Each cut's separator is the smallest set of unknowns that touches all entries of the matrix across
 /// the cut. It is therefore as thick as the matrix's couplings are long. Separators of the graph itself would

@@ -64,8 +64,8 @@ class MultifrontalSolver final : public LinearSolver {
   /// Chooses the ordering that is fastest for the size of the matrix (docs/performance.md).
   SupernodalPattern find_pattern(const NormalMatrix& lower, const OrderingGraph& graph,
                                  const Context& context) {
-    constexpr Eigen::Index fewest_to_dissect = 8'000, fewest_for_metis = 50'000;
-    if (graph.neighbours != nullptr && lower.rows() >= fewest_to_dissect) {
+    constexpr Eigen::Index fewest_for_metis = 50'000;
+    if (is_worth_dissecting(graph)) {
       statistics_.ordering = Ordering::mesh_dissection;
       return symbolic_factorisation(lower, dissect(lower, graph, context), context);
     }
