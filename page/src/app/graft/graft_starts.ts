@@ -44,8 +44,7 @@ export class GraftStarts {
   candidatesOf(index: number): readonly StartCandidate[] {
     const pair = this.graft.pairs.value[index];
     if (pair === undefined) return [];
-    const step = this.graft.step.value;
-    const key = [this.keyOf(pair), step?.pose, JSON.stringify(step?.mirror)].join(" ");
+    const key = this.keyOfCandidates(pair);
     const told = this.graft.report.value?.pairs?.[index]?.starts;
     const isFound = pair.start === undefined && pair.matches.length === 0;
     if (told !== undefined && (told.length > 0 || isFound)) this.candidates.set(key, told);
@@ -93,12 +92,20 @@ export class GraftStarts {
     });
   }
 
-  /** Returns the start that a twist is relative to: the found one, or the given one if none was found. */
+  /**
+   * Returns the start that a twist is relative to: the one found last, else the likeliest candidate, else the given one.
+   */
   private untwisted(pair: Pair): MatchedVertices | undefined {
     const key = this.keyOf(pair);
-    const kept = this.found.get(key) ?? verticesOfMatch(pair.start);
+    const likeliest = this.candidates.get(this.keyOfCandidates(pair))?.[0];
+    const kept = this.found.get(key) ?? verticesOfMatch(likeliest?.start) ?? verticesOfMatch(pair.start);
     if (kept !== undefined) this.found.set(key, kept);
     return kept;
+  }
+
+  private keyOfCandidates(pair: Pair): string {
+    const step = this.graft.step.value;
+    return [this.keyOf(pair), step?.pose, JSON.stringify(step?.mirror)].join(" ");
   }
 
   private keyOf({ sourceLoop, targetLoop }: Pair): string {
