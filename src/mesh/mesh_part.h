@@ -18,7 +18,7 @@ struct MeshPart {
 /// range.
 MeshPart part_of(const Mesh& whole, std::vector<Index> faces);
 
-/// What takes the place of a part of a mesh. It may share vertices with the rest of the whole.
+/// Faces and vertices for the place of a part of a mesh. They may share vertices with the rest of the whole.
 struct Replacement {
   const Mesh& mesh;
   std::vector<Index> vertex;  ///< per vertex of `mesh`: the vertex of the whole that it is, or -1 for a new one
