@@ -146,6 +146,7 @@ void AffineOperator::build_laplacian_rows(const Points& points, const Triangles&
       L_.insertBackUncompressed(row, it.col()) = scale * it.value();
     for (int k = 0; k < 3; ++k) delta_.insertBackUncompressed(row, 3 * i + k) = scale * delta(i, k);
   }
+  if (row_count == 0) return;  // Eigen's makeCompressed fails on a matrix without rows
   L_.makeCompressed();
   delta_.makeCompressed();
 }
