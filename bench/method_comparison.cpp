@@ -73,6 +73,7 @@ Method cgal(CgalMethod method, const std::string& name, unsigned iterations = cg
 
 std::vector<Method> all_methods() {
   return {ours(DeformMethod::corotational),
+          ours(DeformMethod::shell),
           ours(DeformMethod::rotation_aware),
           ours(DeformMethod::ft05),
           published(Baseline::botsch_kobbelt_2004),

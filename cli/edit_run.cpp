@@ -154,7 +154,8 @@ void add_overrides(CLI::App& command, EditRunArguments& arguments) {
   add_choice<Method>(command, "--method", overrides.method,
                      {{"ft05", DeformMethod::ft05},
                       {"rotation-aware", DeformMethod::rotation_aware},
-                      {"corotational", DeformMethod::corotational}},
+                      {"corotational", DeformMethod::corotational},
+                      {"shell", DeformMethod::shell}},
                      "The method; overrides the edit file, as the next ones do");
   command.add_option("--stiffness", overrides.stiffness, "How strongly lengths are kept, from 0 on")
       ->type_name("X")

@@ -83,7 +83,7 @@ DISC_TURNED = ("bumpy_plane", {
     "fixed": {"minus": ["all", {"box": {"min": [-0.45, -0.45, -1], "max": [0.45, 0.45, 1]}}]},
     "handles": [{"name": "disc", "select": {"sphere": {"centre": [0, 0, 0], "radius": 0.12}},
                  "pose": {"rotate": {"axis": [0, 0, 1], "angle_deg": 150}}}]}, ["--from", "0.2", "-0.5", "1"])
-METHODS = "corotational,rotation-aware,ft05,yu-2004,arap-2007"
+METHODS = "corotational,shell,rotation-aware,ft05,yu-2004,arap-2007"
 
 
 def comparison(program, out, sample, step, view):

@@ -18,7 +18,7 @@ def moved(points, matrix):
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-@pytest.mark.parametrize("method", ["ft05", "rotation-aware", "corotational"])
+@pytest.mark.parametrize("method", ["ft05", "rotation-aware", "corotational", "shell"])
 def test_a_similarity_of_all_handles_moves_the_mesh(bar, ends, method):
     d = mg.Deformer(bar, handles=ends, method=method)
     found = d.positions({name: ROTATION for name in ends})

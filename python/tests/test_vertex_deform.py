@@ -6,10 +6,10 @@ import pytest
 import meshgraft as mg
 from conftest import bend
 
-SETTINGS = ({}, {"method": "ft05"}, {"method": "rotation-aware"})
+SETTINGS = ({}, {"method": "ft05"}, {"method": "rotation-aware"}, {"method": "shell"})
 
 
-@pytest.mark.parametrize("settings", SETTINGS, ids=["default", "ft05", "rotation-aware"])
+@pytest.mark.parametrize("settings", SETTINGS, ids=["default", "ft05", "rotation-aware", "shell"])
 def test_handles_are_constraints_per_vertex(bar, ends, settings):
     with_handles = mg.Deformer(bar, handles=ends, **settings)
     vertices, positions, transforms = with_handles.constraints(top=bend())

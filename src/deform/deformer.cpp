@@ -26,6 +26,7 @@ std::string_view to_string(DeformMethod value) {
     case DeformMethod::ft05: return "ft05";
     case DeformMethod::rotation_aware: return "rotation-aware";
     case DeformMethod::corotational: return "corotational";
+    case DeformMethod::shell: return "shell";
   }
   return "";
 }
@@ -69,6 +70,8 @@ Deformer::Impl::Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& 
   field_options.backend = of_fields;
   rotations = std::make_unique<RotationField>(*system, field_options,
                                               summary.reused ? other->rotations.get() : nullptr, context);
+  if (options.method == DeformMethod::shell)
+    shell = std::make_unique<ShellRelaxation>(*system, rotations->limbs(), of_fields, context);
   summary.factorise_seconds += watch.seconds();
 }
 
@@ -90,11 +93,40 @@ void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Poi
                               EvaluationReport* report, Columns* solved_maps, const Context& context) const {
   RotationField::Result found;
   if (rotations) found = rotations->find(constraints, context);
+  const bool relaxes = shell && !found.linear;
+  Columns maps;
+  if (relaxes && report != nullptr && solved_maps == nullptr) solved_maps = &maps;
   system->evaluate(constraints, found.problem, out, report, solved_maps, context);
+  ShellRelaxation::Result of_shell;
+  if (relaxes) of_shell = relax(found.strain, out, solved_maps, context);
   if (report == nullptr) return;
+  report->shell_steps = of_shell.steps;
+  report->shell_settled = of_shell.settled;
+  if (of_shell.steps > 0) {
+    report->max_transform_deviation = system->max_transform_deviation(constraints, out);
+    report->inverted_maps = system->count_inverted(*solved_maps);
+  }
   report->iterations = found.iterations;
   report->last_rotation_change = found.change;
   report->fell_back_to_linear = found.linear;
+}
+
+/// Moves the positions as a shell, and turns the maps with the surface unless they are null.
+ShellRelaxation::Result Deformer::Impl::relax(const RestStrain& strain, PointsRef positions, Columns* maps,
+                                              const Context& context) const {
+  const Patch& patch = system->patch();
+  Points before(patch.size(), 3);
+  for (Index v = 0; v < patch.size(); ++v)
+    before.row(v) = (positions.row(patch.vertices[v]) - patch.centre) / patch.scale;
+  ShellRelaxation::Result relaxed = shell->relax(strain, before, context);
+  if (relaxed.steps == 0) return relaxed;
+  for (const Index v : shell->surface().moving()) {
+    positions.row(patch.vertices[v]) = patch.centre + patch.scale * relaxed.positions.row(v);
+    if (!positions.row(patch.vertices[v]).allFinite())
+      throw Error(facts::deform::SolutionNotFinite{.vertex = patch.vertices[v]});
+  }
+  if (maps != nullptr) shell->surface().follow(before, relaxed.positions, *maps);
+  return relaxed;
 }
 
 Points Deformer::Impl::evaluate_with_maps(std::span<const VertexConstraint> constraints,

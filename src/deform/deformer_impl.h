@@ -9,6 +9,7 @@
 #include "deform/setup/region_mask.h"
 #include "deform/solve/constrained_system.h"
 #include "deform/solve/rotation_field.h"
+#include "deform/solve/shell_relaxation.h"
 #include "linalg/sparse.h"
 
 namespace meshgraft {
@@ -25,6 +26,7 @@ struct Deformer::Impl {
   DeformerSummary summary;
   std::unique_ptr<ConstrainedSystem> system;
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05`, and if nothing is free
+  std::unique_ptr<ShellRelaxation> shell;    ///< of `shell` only; null if nothing is free
 
   /// `other` is null or a set-up on the same mesh, whose parts are shared where possible.
   Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& region,
@@ -41,6 +43,8 @@ struct Deformer::Impl {
                             EvaluationReport* report) const;
 
  private:
+  ShellRelaxation::Result relax(const RestStrain& strain, PointsRef positions, Columns* maps,
+                                const Context& context) const;
   SolverBackend choose_backends(const ConstraintMask& mask);
 };
 

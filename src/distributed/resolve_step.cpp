@@ -31,6 +31,9 @@ void require_supported(const DeformStep& step, const Location& location) {
   };
   if (step.symmetry) refuse("symmetry");
   if (!step.features.empty()) refuse("features");
+  if (step.settings.deformer.method == DeformMethod::shell)
+    throw Error(facts::distributed::NotDistributed{.what = "the method shell"},
+                location / "settings" / "method");
   if (step.settings.proxy > 0) refuse("proxy");
   if (step.settings.refine_boundary.value_or(0) > 0) refuse("refine_boundary");
   for (std::size_t h = 0; h < step.handles.size(); ++h)

@@ -33,7 +33,8 @@ std::string_view to_string(const Method& value) {
 }
 
 std::vector<Method> all_methods() {
-  std::vector<Method> methods{DeformMethod::corotational, DeformMethod::rotation_aware, DeformMethod::ft05};
+  std::vector<Method> methods{DeformMethod::corotational, DeformMethod::rotation_aware, DeformMethod::ft05,
+                              DeformMethod::shell};
   for (const Baseline baseline : all_baselines) methods.emplace_back(baseline);
   return methods;
 }
@@ -46,7 +47,7 @@ std::string_view to_string(const Contender& value) {
 
 std::vector<Contender> all_contenders() {
   std::vector<Contender> contenders{DeformMethod::corotational, DeformMethod::rotation_aware,
-                                    DeformMethod::ft05, Preset::as_published};
+                                    DeformMethod::ft05, DeformMethod::shell, Preset::as_published};
   for (const Baseline baseline : all_baselines) contenders.emplace_back(baseline);
   return contenders;
 }

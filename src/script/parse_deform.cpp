@@ -18,12 +18,17 @@ std::optional<Preset> parse_preset(const Object& fields) {
   return preset;
 }
 
-DeformerOptions parse_deformer(const Object& fields, DeformerOptions options) {
+DeformerOptions parse_deformer(const Object& fields, DeformerOptions options, bool of_merge) {
   OperatorOptions& operators = options.operators;
   fields.optional("method", [&](const Value& v) {
-    options.method = v.choice<DeformMethod>({{"ft05", DeformMethod::ft05},
-                                             {"rotation-aware", DeformMethod::rotation_aware},
-                                             {"corotational", DeformMethod::corotational}});
+    using enum DeformMethod;
+    options.method =
+        of_merge ? v.choice<DeformMethod>(
+                       {{"ft05", ft05}, {"rotation-aware", rotation_aware}, {"corotational", corotational}})
+                 : v.choice<DeformMethod>({{"ft05", ft05},
+                                           {"rotation-aware", rotation_aware},
+                                           {"corotational", corotational},
+                                           {"shell", shell}});
   });
   fields.optional("stiffness", [&](const Value& v) { options.stiffness = v.number_in(0, 1e6); });
   fields.optional("iterations",

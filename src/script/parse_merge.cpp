@@ -98,7 +98,7 @@ MergeSettings parse_merge_settings(const Value& value) {
   MergeSettings settings;
   settings.preset = parse_preset(fields);
   const MergeOptions base = settings.preset ? MergeOptions::as_published() : MergeOptions{};
-  settings.deformer = parse_deformer(fields, base.deformer);
+  settings.deformer = parse_deformer(fields, base.deformer, true);
   settings.seam = base.seam;
   SeamOptions& seam = settings.seam;
   fields.optional("strip", [&](const Value& v) {

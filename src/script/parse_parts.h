@@ -73,8 +73,9 @@ inline constexpr std::array<std::string_view, 17> deformer_fields = {"preset",
                                                                      "residual_corrections",
                                                                      "backend"};
 std::optional<Preset> parse_preset(const json::Object& fields);
-/// Reads the options of a solve. Those that are not given are those of `options`.
-DeformerOptions parse_deformer(const json::Object& fields, DeformerOptions options);
+/// Reads the options of a solve. Those that are not given are those of `options`. Merges do not have the method
+/// `shell`: it would bend the source beside the seam.
+DeformerOptions parse_deformer(const json::Object& fields, DeformerOptions options, bool of_merge = false);
 FeatureSpec parse_feature(const json::Value& value);
 SymmetrySpec parse_symmetry(const json::Value& value);
 

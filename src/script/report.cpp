@@ -249,6 +249,7 @@ Json deform_json(const StepReport& step, const Wording& wording) {
   add_quality(json, step);
   json["iterations"] = step.evaluation ? Json(step.evaluation->iterations) : Json(nullptr);
   json["last_rotation_change"] = step.evaluation ? Json(step.evaluation->last_rotation_change) : Json(nullptr);
+  json["shell_steps"] = step.evaluation ? Json(step.evaluation->shell_steps) : Json(nullptr);
   json["proxy"] = proxy_json(step.proxy);
   json["refined_vertices"] = step.refined_vertices;
   json["symmetry"] = symmetry_json(step);

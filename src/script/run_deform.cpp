@@ -222,6 +222,8 @@ std::vector<Note> notes_of(const StepReport& report, double smallest_scale) {
     notes.push_back(facts::script::NotSettled{
         .iterations = report.evaluation->iterations,
         .change_deg = report.evaluation->last_rotation_change * 180 / std::numbers::pi});
+  if (report.evaluation && !report.evaluation->shell_settled)
+    notes.push_back(facts::script::ShellNotSettled{.steps = report.evaluation->shell_steps});
   constexpr double pinched = 0.5;  // chosen, × the handles' scale
   if (report.quality.width_min < pinched * smallest_scale)
     notes.push_back(facts::script::Pinched{.vertex = report.quality.narrowest_vertex,
@@ -306,6 +308,7 @@ DeformSettings effective_settings(DeformSettings settings, const SettingsOverrid
 
 MergeSettings effective_settings(MergeSettings settings, const SettingsOverrides& overrides) {
   settings.deformer = effective_options(settings.deformer, overrides);
+  if (settings.deformer.method == DeformMethod::shell) settings.deformer.method = DeformMethod::corotational;
   if (overrides.preset) {
     settings.preset = overrides.preset;
     settings.seam = MergeOptions::as_published().seam;
@@ -368,7 +371,7 @@ std::vector<Note> unused_overrides(const Method& method, const SettingsOverrides
   };
   const auto* own = std::get_if<DeformMethod>(&method);
   if (overrides.stiffness && (!own || *own == DeformMethod::ft05)) note("stiffness");
-  if (overrides.iterations && (!own || *own != DeformMethod::corotational)) note("iterations");
+  if (overrides.iterations && (!own || !is_corotational(*own))) note("iterations");
   return notes;
 }
 

@@ -287,6 +287,8 @@ StepReport run_merge(const EditFile& edit, const EditStep& edit_step, const Loca
   }
   // The remaining seconds were spent on the hole and on sizes that were tried before.
   report.seconds.select += std::max(0.0, watch.lap() - result.report.total_seconds - report.seconds.measure);
+  if (options.overrides.method == Method(DeformMethod::shell))
+    report.notes.push_back(facts::script::MergeWithoutShell{});
   source.finish(result.source, result, report.notes);
   target.finish(result.target, result, report.notes);
   take_seconds(result.report, report.seconds);

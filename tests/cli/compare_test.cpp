@@ -23,7 +23,7 @@ TEST_F(CommandLine, CompareTellsMethodsApart) {
 
   const json all = json::parse(run("compare edit.json --json --threads 1").out);
   EXPECT_EQ(all["format"], "meshgraft-comparison");
-  ASSERT_EQ(all["methods"].size(), 11u);
+  ASSERT_EQ(all["methods"].size(), 12u);
   for (const json& method : all["methods"]) {
     EXPECT_TRUE(method["failure"].is_null()) << method;
     EXPECT_GT(method["quality"]["area_ratio"], 0) << method;

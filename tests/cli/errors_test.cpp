@@ -46,7 +46,7 @@ TEST_F(CommandLine, ExitStatusesTellWhatIsWrong) {
       {"deform edit.json -o o.ply --feature indices:0 --feature file:no.txt", 3, "error: --feature "},
       {"deform edit.json -o o.ply --weights cotan", 2, "'cotan' is not one of uniform, cotangent"},
       {"deform edit.json -o o.ply --method linear", 2,
-       "'linear' is not one of ft05, rotation-aware, corotational"},
+       "'linear' is not one of ft05, rotation-aware, corotational, shell"},
       {"deform edit.json -o o.ply --stiffness -1", 2, "--stiffness"},
       {"deform edit.json -o o.ply --stiffness soft", 2, "--stiffness"},
       {"deform edit.json -o o.ply --iterations 1001", 2, "--iterations"},

@@ -88,8 +88,8 @@ TEST(Cancellation, ACancelledSetUpLeavesNothingBehind) {
 TEST(Cancellation, ACancelledEvaluationLeavesTheDeformerAsItWas) {
   const Scene scene = make_scene(bumpy_sphere(4));
   const std::vector poses{pose_of(head_move(scene))};
-  for (const DeformMethod method :
-       {DeformMethod::ft05, DeformMethod::rotation_aware, DeformMethod::corotational}) {
+  for (const DeformMethod method : {DeformMethod::ft05, DeformMethod::rotation_aware,
+                                    DeformMethod::corotational, DeformMethod::shell}) {
     DeformerOptions options;
     options.method = method;
     const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, held_foot(scene), options);

@@ -286,7 +286,8 @@ TEST_P(Twists, KeepTheWidthOfALimb) {
   const double lengths = GetParam().radii / 8;
   // The edges and flat sides of a square pipe cost more than the surface of the helix, which has none to spare.
   const double most = GetParam().square ? 1.17 : 1.05;
-  for (const DeformMethod method : {DeformMethod::rotation_aware, DeformMethod::corotational}) {
+  for (const DeformMethod method :
+       {DeformMethod::rotation_aware, DeformMethod::corotational, DeformMethod::shell}) {
     const Deformer deformer = twisted(limb, method);
     for (const auto& [degrees, narrowest] : {std::pair{180.0, 0.95}, std::pair{360.0, 0.9}}) {
       const HandlePose pose = test::top_turned(degrees * lengths);
@@ -360,19 +361,22 @@ TEST(Twists, OfBothEndsAgainstEachOtherKeepTheWidth) {
 
 TEST(Twists, MoveContinuouslyThroughTwoTurnsAndBack) {
   const test::Limb limb = test::make_limb({.radii = 8});
-  const Deformer deformer = twisted(limb, DeformMethod::corotational);
   const double step = 40;
   const double arc = step * std::numbers::pi / 180 * 0.5;
-  Points last = limb.mesh.positions;
-  std::vector<Points> frames;
-  for (double degrees = step; degrees <= 720; degrees += step) {
-    const HandlePose pose = test::top_turned(degrees);
-    frames.push_back(deformer.evaluate(std::span(&pose, 1)));
-    EXPECT_LT((frames.back() - last).rowwise().norm().maxCoeff(), 1.1 * arc) << degrees;
-    last = frames.back();
+  for (const DeformMethod method : {DeformMethod::corotational, DeformMethod::shell}) {
+    const Deformer deformer = twisted(limb, method);
+    Points last = limb.mesh.positions;
+    std::vector<Points> frames;
+    for (double degrees = step; degrees <= 720; degrees += step) {
+      const HandlePose pose = test::top_turned(degrees);
+      frames.push_back(deformer.evaluate(std::span(&pose, 1)));
+      EXPECT_LT((frames.back() - last).rowwise().norm().maxCoeff(), 1.1 * arc)
+          << degrees << ", " << to_string(method);
+      last = frames.back();
+    }
+    const HandlePose back = test::top_turned(360);
+    EXPECT_EQ(deformer.evaluate(std::span(&back, 1)), frames[8]);
   }
-  const HandlePose back = test::top_turned(360);
-  EXPECT_EQ(deformer.evaluate(std::span(&back, 1)), frames[8]);
 }
 
 TEST(Twists, AreShownByReducedFrames) {

@@ -141,7 +141,7 @@ TEST(Methods, OtherComponentsDoNotMatter) {
     const Points b =
         Deformer(both.positions, both.triangles, with_other, options).evaluate(std::vector{head, still, still});
     // The co-rotational iterations of all components stop together, so their number may differ.
-    const double tolerance = options.method == DeformMethod::corotational ? 2e-3 : 1e-9;
+    const double tolerance = is_corotational(options.method) ? 2e-3 : 1e-9;
     EXPECT_LT(largest_distance(a, b), tolerance * scene.mesh.box_diagonal()) << describe(options);
   }
   const Points stiff =

@@ -32,6 +32,7 @@ TEST(Methods, TurnsAreContinuousAndUnreduced) {
     extent.maxCoeff(&longest);
     along[longest] = 1;
     for (const DeformerOptions& options : method_variants()) {
+      if (options.method == DeformMethod::shell) continue;  // a shell may buckle
       SCOPED_TRACE(mesh.name + ", " + describe(options));
       const Deformer deformer = make_deformer(scene, held_foot(scene), options);
       Points previous = deformer.evaluate(std::vector{turned(scene, 0, along)});

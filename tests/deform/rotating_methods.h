@@ -10,10 +10,11 @@
 #include "support/scene_edits.h"
 #include "support/variants.h"
 
-/// Edits by the rotation-aware and co-rotational methods.
+/// Edits by the methods that follow rotations.
 namespace meshgraft::test {
 
-inline constexpr DeformMethod rotating_methods[] = {DeformMethod::rotation_aware, DeformMethod::corotational};
+inline constexpr DeformMethod rotating_methods[] = {DeformMethod::rotation_aware, DeformMethod::corotational,
+                                                    DeformMethod::shell};
 
 inline DeformerOptions options_of(DeformMethod method, double stiffness = DeformerOptions{}.stiffness) {
   return {.method = method, .stiffness = stiffness};
@@ -23,7 +24,7 @@ inline std::string describe(const DeformerOptions& options) {
   return std::string(to_string(options.method)) + ", stiffness " + std::to_string(options.stiffness);
 }
 
-/// Returns the options of both methods, with and without stiffness.
+/// Returns the options of these methods, with and without stiffness.
 inline std::vector<DeformerOptions> method_variants() {
   std::vector<DeformerOptions> variants;
   for (const DeformMethod method : rotating_methods)
@@ -45,7 +46,10 @@ inline Points edit_head(const Scene& scene, const DeformerOptions& options) {
 inline double step_tolerance(const TestMesh& mesh, const DeformerOptions& options) {
   const bool needles =
       mesh.name.find("needle") != std::string::npos || mesh.name.find("fan pole") != std::string::npos;
-  return needles && options.method == DeformMethod::corotational ? 1e-7 : 1e-9;
+  if (!needles) return 1e-9;
+  return options.method == DeformMethod::shell          ? 1e-5
+         : options.method == DeformMethod::corotational ? 1e-7
+                                                        : 1e-9;
 }
 
 /// Returns the largest distance over the vertices of faces, relative to the box.

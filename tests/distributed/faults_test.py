@@ -87,6 +87,7 @@ class Faults(unittest.TestCase):
     def test_what_is_not_distributed(self):
         self.fail(self.edit(features=[{"select": {"sphere": {"centre": [0.8, 0.8, 0], "radius": 0.1}}}]), INPUT,
                   "features", "not distributed")
+        self.fail(self.edit(settings={"method": "shell"}), INPUT, "settings.method", "the method shell is not distributed")
         self.fail(self.edit(handles=[{"name": "point", "select": {"nearest": [0.5, 0.5, 0]}, "pose": LIFTED}]), INPUT,
                   "refine_boundary")
 

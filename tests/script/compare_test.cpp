@@ -44,7 +44,7 @@ std::string message_of(const EditFile& edit, const std::vector<Contender>& metho
 
 TEST(Compare, EveryMethodMeetsTheConstraintsAndNamesItself) {
   const std::vector<Contender> methods = all_contenders();
-  ASSERT_EQ(methods.size(), 11u);
+  ASSERT_EQ(methods.size(), 12u);
   const EditFile edit = bent_bar();
   const Comparison comparison = compare_methods(edit, methods);
   ASSERT_EQ(comparison.outcomes.size(), methods.size());
@@ -229,7 +229,7 @@ TEST(Method, NamesGoBothWays) {
   }
   for (const auto& [wrong, nearest] :
        {std::pair{"arpa-2007", "Did you mean 'arap-2007'?"},
-        std::pair{"nothing like it", "Known are corotational, rotation-aware, ft05"}})
+        std::pair{"nothing like it", "Known are corotational, rotation-aware, ft05, shell"}})
     try {
       method_named(wrong);
       FAIL() << wrong;

@@ -315,7 +315,7 @@ TEST_F(RunEdit, TurnsOfMoreThanHalfACircleSurviveTargetsPerVertex) {
 
 TEST_F(RunEdit, NotesThatAMirroringHandleHasNoRotationToFollow) {
   const std::string mirror = R"({"scale": [-1, 1, 1]})";
-  for (const char* method : {"corotational", "rotation-aware", "ft05"}) {
+  for (const char* method : {"corotational", "rotation-aware", "shell", "ft05"}) {
     const std::string settings = R"(, "settings": {"method": ")" + std::string(method) + "\"}";
     const EditReport mirrored = run_edit(edit(step(settings, mirror))).report;
     const auto json = nlohmann::json::parse(write_report(mirrored));

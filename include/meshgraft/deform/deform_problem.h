@@ -170,7 +170,13 @@ enum class DeformMethod {
   ft05,            ///< F = I: maps are blended linearly (Fu & Tai 2005)
   rotation_aware,  ///< F blends the logarithms of the constraints' rotations and stretches
   corotational,    ///< starts from `rotation_aware`, then F follows the rotations of the surface itself
+  shell,           ///< starts from `corotational`, then bends evenly as a thin shell does
 };
+
+/// Returns whether the field follows the rotations of the surface, by co-rotational iterations.
+constexpr bool is_corotational(DeformMethod method) {
+  return method == DeformMethod::corotational || method == DeformMethod::shell;
+}
 
 std::string_view to_string(DeformMethod value);
 
@@ -216,6 +222,8 @@ struct EvaluationReport {
   double residual = 0;                 ///< ‖Aᵀ(b − A x)‖ / ‖Aᵀ b‖, 0 for a zero right-hand side
   double max_transform_deviation = 0;  ///< max ‖M_c(x) − W_c‖_F over constrained transforms
   int iterations = 0;                  ///< co-rotational iterations made
+  int shell_steps = 0;                 ///< steps that the method `shell` made
+  bool shell_settled = true;           ///< whether its last step changed the energy by less than 0.01 %
   int solver_iterations = 0;           ///< iterations of the backend `iterative` in the last solve
   double last_rotation_change = 0;     ///< RMS change of F asked for by the last iteration, radians
   Index inverted_maps = 0;             ///< free vertices whose local map has a determinant of 0 or less

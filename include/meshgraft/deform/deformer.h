@@ -13,7 +13,7 @@ namespace meshgraft {
 
 /// Deforms a region of a mesh by its handles (Fu & Tai 2005, sections 3 and 4). The constructor validates,
 /// assembles and factorises. An evaluation takes two back-substitutions, that of `corotational` one per
-/// iteration and mostly one more.
+/// iteration and mostly one more. That of `shell` factorises in each of its steps besides.
 class Deformer {
  public:
   /// Throws Error(input) for bad indices, an empty or overlapping handle, a vertex that is constrained twice,

@@ -123,7 +123,7 @@ struct ReducedFramesOptions {
 void validate(const ReducedFramesOptions& options);
 
 /// Computes approximate frames of the methods `corotational` and `rotation_aware` in real time
-/// (docs/methods.md has the errors). They serve dragging; let the exact `Deformer::evaluate` follow when the
+/// (docs/methods.md has the errors); for `shell` they are those of `corotational`. They serve dragging; let the exact `Deformer::evaluate` follow when the
 /// drag ends.
 ///
 /// The field of maps F on the right-hand side is smooth. A sum of few functions that are as smooth as possible

@@ -72,6 +72,7 @@ const progressStages: Record<ProgressStage, string> = {
   seam: "making the seam",
   select: "evaluating selections",
   shape_triangles: "improving the triangles",
+  shell: "spreading the bends",
   skin: "attaching the surface to the preview",
   solve: "solving",
   write: "writing the file",

@@ -1,7 +1,7 @@
 /** The settings of a step's solve: docs/edit-file.md, "Settings". */
 export type SettingValue = number | string | boolean;
 export type Settings = Readonly<Record<string, SettingValue | undefined>>;
-export type MethodName = "corotational" | "rotation-aware" | "ft05";
+export type MethodName = "corotational" | "rotation-aware" | "ft05" | "shell";
 
 interface Choice<Value extends string> {
   value: Value;
@@ -50,6 +50,11 @@ export const methods: readonly (Choice<MethodName> & { help: string })[] = [
     help: "Details rotate with the surface, and limbs keep their thickness. Best for bending and dragging.",
   },
   {
+    value: "shell",
+    label: "Even bends",
+    help: "Spreads bends evenly, as a thin shell does: the smoothest result. Takes longer; shown when you release.",
+  },
+  {
     value: "rotation-aware",
     label: "Smooth rotation",
     help: "Spreads rotation and scale of the handles evenly, for the smoothest twists and bends. Moves shear.",
@@ -73,7 +78,7 @@ export function hasPreset(settings: Settings): boolean {
 }
 
 const hasRotations = (settings: Settings) => methodOf(settings) !== "ft05";
-const isCorotational = (settings: Settings) => methodOf(settings) === "corotational";
+const isCorotational = (settings: Settings) => ["corotational", "shell"].includes(methodOf(settings));
 const flatPlaces = (settings: Settings) => settings["degenerate"] ?? (hasPreset(settings) ? "ft05-noise" : "auto");
 const usesNoise = (settings: Settings) => flatPlaces(settings) !== "apex";
 const usesApex = (settings: Settings) => flatPlaces(settings) !== "ft05-noise";

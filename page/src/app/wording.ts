@@ -701,6 +701,9 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `a match joins loop ${target + 1} of the model and loop ${source + 1} of the part, which are no pair`,
     remedy: "Pair these two loops first.",
   }),
+  "script.merge_without_shell": () => ({
+    problem: `the part was joined by ${methodWord("corotational")}, because ${methodWord("shell")} would bend it beside the seam`,
+  }),
   "script.mirror_image_fixed": ({ vertex, handle }) => ({
     problem: `vertex ${vertex} of the mirror image of “${handle}” is already fixed`,
     remedy: "Take what is there out of the fixed area, or switch the symmetry off.",
@@ -741,6 +744,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "script.not_settled": ({ iterations, change_deg }) => ({
     problem: `the surface had not settled after ${counted(iterations, "iteration")} (it would have rotated by another ${formatNumber(change_deg, 4, 1)}°)`,
     remedy: "Raise Iterations, under More settings, or rotate by less.",
+  }),
+  "script.shell_not_settled": ({ steps }) => ({
+    problem: `the surface had not settled after ${counted(steps, "step")}`,
+    remedy: "A smaller rotation or move bends more evenly.",
   }),
   "script.overlaps_mirror_image": ({ handle, shared, all }) => ({
     problem: `“${handle}” overlaps its mirror image, in ${shared} of ${counted(all, "vertex", "vertices")}`,

@@ -41,6 +41,7 @@ export function MethodPanel({ page }: { page: Page }) {
       <Segments
         label="Method"
         hideLabel
+        inPairs
         value={methodOf(settings)}
         choices={methods}
         onChange={(method) => change({ method })}

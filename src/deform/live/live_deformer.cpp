@@ -306,9 +306,12 @@ void LiveDeformer::Impl::let_exact_pass() {
 /// If no proxy can be made, the exact set-up goes on without one. It reports any error in the region.
 void LiveDeformer::Impl::make_proxy() {
   std::shared_ptr<const ProxyDeformer> made;
+  DeformerOptions of_proxy = options.deformer;
+  if (of_proxy.method == DeformMethod::shell && path != SolvePath::proxy)
+    of_proxy.method = DeformMethod::corotational;  // its frames are quick, and the exact result follows
   try {
-    made = std::make_shared<const ProxyDeformer>(
-        problem, ProxyOptions{options.deformer, options.proxy_vertices}, behind("proxy"));
+    made = std::make_shared<const ProxyDeformer>(problem, ProxyOptions{of_proxy, options.proxy_vertices},
+                                                 behind("proxy"));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::cancelled) throw;
     return;

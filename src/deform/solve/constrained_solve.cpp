@@ -326,7 +326,6 @@ void ConstrainedSystem::place_features(const Columns& y, PointsRef out) const {
   }
 }
 
-/// Returns max ‖M_c(x) − W_c‖ over the given transforms at vertices next to a free vertex.
 double ConstrainedSystem::max_transform_deviation(std::span<const VertexConstraint> constraints,
                                                   const Points& positions) const {
   Points local(patch().size(), 3);
@@ -375,7 +374,6 @@ void ConstrainedSystem::evaluate(std::span<const VertexConstraint> constraints, 
   report->inverted_maps = count_inverted(maps(y, values, context));
 }
 
-/// Counts the vertices whose solved local map has a determinant that is not positive.
 Index ConstrainedSystem::count_inverted(const Columns& maps) const {
   Index count = 0;
   for (Index v = 0; v < patch().size(); ++v) {

@@ -129,6 +129,10 @@ class ConstrainedSystem {
   /// is free.
   void evaluate(std::span<const VertexConstraint> constraints, const Problem& problem, PointsRef out,
                 EvaluationReport* report, Columns* solved_maps, const Context& context) const;
+  /// Returns max ‖M_c(x) − W_c‖ over the given transforms at vertices next to a free vertex.
+  double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
+  /// Returns the number of vertices whose local map has a determinant that is not positive.
+  Index count_inverted(const Columns& maps) const;
   OrderingGraph ordering_graph() const;
   NormalMatrix normal_matrix(const Context& context) const;
   double condition_estimate(const Context& context) const;
@@ -173,7 +177,6 @@ class ConstrainedSystem {
   Eigen::Index shared_row(Eigen::Index s) const;
   void impose_similarities(Columns& y) const;
   void place_features(const Columns& y, PointsRef out) const;
-  Index count_inverted(const Columns& maps) const;
   void weigh_anchors(const Context& context);
   void factorise(NormalMatrix normal, const OrderingGraph& graph, const DeformerOptions& options,
                  DeformerSummary& summary, Stopwatch& watch, const Context& context);
@@ -200,7 +203,6 @@ class ConstrainedSystem {
   Columns solve(const Rows& rhs, const SolveSteps& steps, const Context& context) const;
   void place(const Columns& y, const Known& values, std::span<const VertexConstraint> constraints,
              PointsRef out, const Context& context) const;
-  double max_transform_deviation(std::span<const VertexConstraint> constraints, const Points& positions) const;
 
   std::vector<Index> free_;  ///< global indices, ascending
   // These two may be shared with other systems.

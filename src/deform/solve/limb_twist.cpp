@@ -223,17 +223,45 @@ Columns LimbTwist::slopes(const Columns& fields, const Context& context) const {
   return slopes;
 }
 
-Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
-                            const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
+TwistRate twist_rate(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
+                     const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
   const Eigen::Vector3d axis = (stretch * at.axis).stableNormalized();
   const Eigen::Vector3d turning = reference.transpose() * (right_jacobian(turn) * slope);
   const double all = turning.squaredNorm(), length = (stretch * at.direction).norm();
-  if (!(all > 0) || !(length > 0)) return Eigen::Matrix3d::Zero();
-  // m × a is s r without its part along the axis.
-  const Eigen::Matrix3d shear = -cross_matrix(axis) * stretch * cross_matrix(at.axis);
+  if (!(all > 0) || !(length > 0)) return {};
   const double rate = axis.dot(turning), share = rate * rate / all;
-  const double sheared = rate * (shear * at.moment).norm() / length;
-  return share * share * rate * strain_share(is_on_disc(at), sheared) * shear;
+  const double sheared = rate * (twist_shear(at, {axis, 1}, stretch) * at.moment).norm() / length;
+  return {axis, share * share * rate * strain_share(is_on_disc(at), sheared)};
+}
+
+Eigen::Matrix3d twist_shear(const LimbPoint& at, const TwistRate& twist, const Eigen::Matrix3d& stretch) {
+  // m × a is s r without its part along the axis.
+  const Eigen::Matrix3d shear = -cross_matrix(twist.axis) * stretch * cross_matrix(at.axis);
+  return twist.rate * shear;
+}
+
+Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
+                            const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
+  return twist_shear(at, twist_rate(at, turn, slope, reference, stretch), stretch);
+}
+
+Eigen::Vector3d wanted_turning(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
+                               const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
+  constexpr double share_of_bend = 0.2;  // chosen on the tests of docs/methods.md
+  const TwistRate twist = twist_rate(at, turn, slope, reference, stretch);
+  const Eigen::Vector3d twisting = twist.rate * twist.axis;
+  const double length = (stretch * at.direction).norm();
+  if (is_on_disc(at) || !(length > 0)) return twisting;
+  const Eigen::Vector3d turning = reference.transpose() * (right_jacobian(turn) * slope),
+                        bending = turning - turning.dot(twist.axis) * twist.axis;
+  const double sheared = rod_strain(at, bending, stretch).norm() / length;
+  return twisting + share_of_bend * strain_share(false, sheared) * bending;
+}
+
+Eigen::Matrix3d rod_strain(const LimbPoint& at, const Eigen::Vector3d& turning,
+                           const Eigen::Matrix3d& stretch) {
+  const Eigen::Vector3d offset = stretch * at.moment.cross(at.axis);  // U r, without the part along the axis
+  return turning.cross(offset) * at.direction.transpose();
 }
 
 }  // namespace meshgraft

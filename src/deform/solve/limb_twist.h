@@ -72,15 +72,35 @@ class LimbTwist {
   Eigen::VectorXd along_axis_;                 ///< mean of (t · a)², or of 1 on discs, without given maps
 };
 
-/// Returns the 3×3 matrix W with which a point of a limb or disc is strained: W m bᵀ, with m = s (a × r) and
-/// the direction b.
+/// A rate of turning about an axis of unit length, radians per length at rest.
+struct TwistRate {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  double rate = 0;
+};
+
+/// Returns the rate at which a limb or disc twists along its direction b.
 ///
 /// The blended map at the point is exp(turn) · reference · stretch, and `turn` changes by `slope` per length
 /// along b. The stretched axis is a′ ∥ U a, and ω is the part about it of the rate κ at which the
-/// rotation turns. Then W m = ω a′ × U r. Where sections bend as well, ω is multiplied by (ω/κ)⁴, so that the
-/// strain serves twists alone. It fades where it would shear the surface much, and on discs also where it would
-/// shear it little.
+/// rotation turns. Where sections bend as well, ω is multiplied by (ω/κ)⁴, so that the rate is that of twists
+/// alone. It fades where it would shear the surface much, and on discs also where it would shear it little.
+TwistRate twist_rate(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
+                     const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
+
+/// Returns the 3×3 matrix W with which a point that twists is strained: W m bᵀ, with m = s (a × r) and the
+/// direction b. It has W m = ω a′ × U r.
+Eigen::Matrix3d twist_shear(const LimbPoint& at, const TwistRate& twist, const Eigen::Matrix3d& stretch);
+/// Does the same for the `twist_rate` of a blended map.
 Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
                             const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
+
+/// Returns the rotation vector per length at rest by which the sections of a limb are to turn against each
+/// other on a shell: all of the twist, and a share of the bend. A limb that is strained by all of its bend
+/// keeps its width, but costs more than it should where it cannot be an arc.
+Eigen::Vector3d wanted_turning(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
+                               const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
+
+/// Returns the strain (k × U r) bᵀ of a rod whose sections turn by k per length.
+Eigen::Matrix3d rod_strain(const LimbPoint& at, const Eigen::Vector3d& turning, const Eigen::Matrix3d& stretch);
 
 }  // namespace meshgraft

@@ -56,7 +56,8 @@ RotationField::RotationField(const ConstrainedSystem& system, const DeformerOpti
                              const RotationField* other, const Context& context)
     : system_(system),
       has_features_(!system.features().empty()),
-      iterations_(options.method == DeformMethod::corotational ? options.iterations : 0),
+      keeps_strain_(options.method == DeformMethod::shell),
+      iterations_(is_corotational(options.method) ? options.iterations : 0),
       serves_parts_((other != nullptr && other->serves_parts_) ||
                     (!system.is_part() && !system.intrinsic_edges().differ)),
       fields_(
@@ -106,6 +107,8 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
     result = {};
     result.linear = true;
     result.problem.field = linear_field(constraints, context);
+  } else {
+    result.strain = std::move(blended.strain);
   }
   return result;
 }
@@ -178,15 +181,24 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
 
   blended.rotation.resize(n);
   blended.stretch.resize(n);
+  RestStrain& strain = blended.strain;
+  if (keeps_strain_) strain.stretch.resize(n);
+  if (keeps_strain_ && !limbs_.empty()) strain.turning.resize(n);
   for_each_vertex(n, context, [&](Index v) {
     const Logarithm log = logs.row(v);
     const Eigen::Vector3d turn = log.head<3>().transpose();
     blended.rotation[v] = rotation_exp(turn) * reference;
     blended.stretch[v] = stretch_exp(log.tail<6>().transpose());
+    if (keeps_strain_) strain.stretch[v] = blended.stretch[v];
     if (limbs_.empty()) return;
     const LimbPoint at = limbs_.at(v);
-    blended.stretch[v] += twist_shear(at, turn, slopes.row(v).transpose(), reference, blended.stretch[v]) *
-                          at.moment * at.direction.transpose();
+    const Eigen::Vector3d slope = slopes.row(v).transpose();
+    const TwistRate twist = twist_rate(at, turn, slope, reference, blended.stretch[v]);
+    const Eigen::Matrix3d plain = blended.stretch[v];
+    blended.stretch[v] += twist_shear(at, twist, plain) * at.moment * at.direction.transpose();
+    if (!keeps_strain_) return;
+    strain.turning[v] = wanted_turning(at, turn, slope, reference, plain);
+    strain.stretch[v] = plain + rod_strain(at, strain.turning[v], plain);
   });
   return true;
 }

@@ -18,6 +18,13 @@ namespace meshgraft {
 /// Returns the surface of a system, on which its fields are sought.
 FieldSurface field_surface(const ConstrainedSystem& system);
 
+/// The strain of a surface without its rotation.
+struct RestStrain {
+  std::vector<Eigen::Matrix3d> stretch;  ///< per vertex of the patch; with the shear of twisted limbs
+  /// Per vertex: the rotation vector per length along the limb; empty if there are no limbs.
+  std::vector<Eigen::Vector3d> turning;
+};
+
 /// Finds the field of maps F = R U (rotation, stretch) that replaces the identity on the right-hand side of a
 /// `ConstrainedSystem`. Large rotations then do not shrink the surface. The matrix stays the same.
 class RotationField {
@@ -28,6 +35,7 @@ class RotationField {
 
   struct Result {
     ConstrainedSystem::Problem problem;  ///< the field, and the unknowns of the last iteration
+    RestStrain strain;                   ///< of the blend, for the method `shell`; empty if it is linear
     int iterations = 0;                  ///< number of co-rotational iterations performed
     double change = 0;                   ///< root mean square change that the last iteration asked for, radians
     bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
@@ -50,6 +58,7 @@ class RotationField {
   /// strain of twisted limbs.
   struct Blend {
     std::vector<Eigen::Matrix3d> rotation, stretch;
+    RestStrain strain;                          ///< empty unless it is kept
     std::vector<Eigen::Vector3d> feature_turn;  ///< rotation vector per feature, with all turns
   };
   /// One map per feature. If empty, the maps are unknown and `blend` uses the mean of the constraints.
@@ -70,6 +79,7 @@ class RotationField {
 
   const ConstrainedSystem& system_;
   bool has_features_ = false;
+  bool keeps_strain_ = false;
   int iterations_ = 0;
   bool serves_parts_ = false;  ///< whether the bending matrix is right for parts of the patch, too
   SurfaceFields fields_;

@@ -311,10 +311,13 @@ export function Select<Value extends string>(props: SelectProps<Value>) {
 }
 
 /** A few choices side by side. Arrow keys move between them. */
-export function Segments<Value extends string>(props: SelectProps<Value> & { hideLabel?: boolean }) {
+export function Segments<Value extends string>(props: SelectProps<Value> & { hideLabel?: boolean; inPairs?: boolean }) {
   const id = useId();
   return (
-    <div class={`row segments ${props.hideLabel === true ? "wide" : ""}`} data-tip={props.help}>
+    <div
+      class={`row segments ${props.hideLabel === true ? "wide" : ""} ${props.inPairs === true ? "in-pairs" : ""}`}
+      data-tip={props.help}
+    >
       <span id={id} class={props.hideLabel === true ? "hidden" : "label"}>
         {props.label}
       </span>
