@@ -106,6 +106,16 @@ TEST_F(MergeEdit, CutsMergesAndDeformsInOneFile) {
   }
 }
 
+TEST_F(MergeEdit, IsNotSolvedAsAShellAndSaysSo) {
+  const EditFile edit = merge(R"("pose": "keep", )" + by_loops);
+  const EditResult shell = run_edit(edit, {.overrides = {.method = DeformMethod::shell}});
+  EXPECT_EQ(shell.mesh.positions, run_edit(edit).mesh.positions);
+  const std::vector<Note>& notes = shell.report.steps[2].notes;
+  EXPECT_EQ(std::count_if(notes.begin(), notes.end(),
+                          [](const Note& note) { return note.id() == "script.merge_without_shell"; }),
+            1);
+}
+
 TEST_F(MergeEdit, PartsKeepWhatTheirModelTellsOfUpAndFront) {
   EditFile guessed = merge(by_loops);
   const MergeOptions of_guess = run_edit(guessed).report.steps[2].merge->options;

@@ -119,7 +119,12 @@ test("methods switch, and show what applies to them", async () => {
   const frames = async (label: string) => {
     await user.page.getByText(label, { exact: true }).click();
     await user.page.waitForFunction((label) => {
-      const names: Record<string, string> = { Linear: "ft05", Natural: "corotational", "Smooth rotation": "rotation-aware" };
+      const names: Record<string, string> = {
+        Linear: "ft05",
+        Natural: "corotational",
+        "Smooth rotation": "rotation-aware",
+        "Even bends": "shell",
+      };
       return (window.meshgraft.editor.state.value?.settings as { method?: string }).method === names[label];
     }, label);
     await user.settle();
@@ -131,9 +136,11 @@ test("methods switch, and show what applies to them", async () => {
   expect(await user.page.getByLabel("Stiffness").count()).toBeGreaterThan(0);
   await frames("Smooth rotation");
   expect(await user.page.getByLabel("Smoothing").count()).toBe(0);
-  let difference = 0;
-  linear.forEach((x, i) => (difference = Math.max(difference, Math.abs(x - (natural[i] ?? 0)))));
-  expect(difference).toBeGreaterThan(0.01);
+  const even = await frames("Even bends");
+  expect(await user.page.getByLabel("Smoothing").count()).toBeGreaterThan(0);
+  await user.screenshot("panels-even-bends");
+  for (const other of [linear, even])
+    expect(Math.max(...other.map((x, i) => Math.abs(x - (natural[i] ?? 0))))).toBeGreaterThan(0.01);
 });
 
 test("the preset is switched on and off, and the panel shows its settings", async () => {

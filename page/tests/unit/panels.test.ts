@@ -122,6 +122,7 @@ describe("settings of the method", () => {
     expect(keys("rotation-aware")).toContain("stiffness");
     expect(keys("rotation-aware")).not.toContain("smoothing_length_rel");
     expect(keys("corotational")).toContain("smoothing_length_rel");
+    expect(keys("shell")).toEqual(keys("corotational"));
     expect(applicable({ degenerate: "apex" }).map(({ key }) => key)).not.toContain("seed");
   });
   test("back to the usual changes what is not usual, and no method", () => {
