@@ -123,7 +123,7 @@ ShellEnergy::Terms ShellEnergy::terms(std::size_t h, double length, double angle
   const double share = metric_.areas[h] / metric_.hinge_sums[hinge.component], wanted = metric_.lengths[h];
   Terms terms;
   if (hinge.stretches) {
-    const double unit = std::max(wanted, surface_.shortest()), strain = (length - wanted) / unit;
+    const double unit = std::max(wanted, surface_.shortest(hinge.component)), strain = (length - wanted) / unit;
     terms.energy = 0.5 * share * strain * strain;
     terms.by_length = share * strain / unit;
     terms.by_length_twice = share / (unit * unit);
@@ -208,7 +208,7 @@ void ShellEnergy::add_damping(double factor, NormalMatrix& matrix) const {
   for (std::size_t h = 0; h < surface_.hinges().size(); ++h) {
     const Hinge& hinge = surface_.hinges()[h];
     const Index a = surface_.unknown(hinge.vertices[0]), b = surface_.unknown(hinge.vertices[1]);
-    const double length = std::max(metric_.lengths[h], surface_.shortest());
+    const double length = std::max(metric_.lengths[h], surface_.shortest(hinge.component));
     const Eigen::Matrix3d block =
         factor / (hinge_counts_[hinge.component] * length * length) * Eigen::Matrix3d::Identity();
     if (a >= 0) pattern_.add(matrix, a, a, block);

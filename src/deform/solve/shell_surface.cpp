@@ -57,9 +57,10 @@ HingeShape hinge_shape(const std::array<Eigen::Vector3d, 4>& points, bool bends)
 }
 
 ShellSurface::ShellSurface(const ConstrainedSystem& system, const LimbTwist& limbs, const Context& context)
-    : system_(system), limbs_(limbs), shortest_(1e-3 * system.operators()->mean_edge_length()) {
+    : system_(system), limbs_(limbs) {
   choose_moving(context);
   list_hinges(context);
+  measure_edges();
   grade_bending();
 }
 
@@ -147,6 +148,18 @@ void ShellSurface::list_hinges(const Context& context) {
   }
 }
 
+/// Sets the shortest length of each component to a thousandth of its mean.
+void ShellSurface::measure_edges() {
+  shortest_.assign(components_, 0);
+  std::vector<double> counts(components_, 0);
+  for (const Hinge& hinge : hinges_) {
+    const std::array<Eigen::Vector3d, 4> corners = points(hinge, system_.patch().points);
+    shortest_[hinge.component] += (corners[1] - corners[0]).norm();
+    ++counts[hinge.component];
+  }
+  for (Index c = 0; c < components_; ++c) shortest_[c] *= 1e-3 / counts[c];
+}
+
 /// Raises the bending energy towards held vertices, so that no edge kinks there: by (c D/d)³, where D is the
 /// size of the component and d the distance from held vertices along edges.
 void ShellSurface::grade_bending() {
@@ -163,7 +176,8 @@ void ShellSurface::grade_bending() {
         area_of(points.row(faces_[f][0]), points.row(faces_[f][1]), points.row(faces_[f][2]));
   for (Hinge& hinge : hinges_) {
     const auto& [v0, v1, v2, v3] = hinge.vertices;
-    const double nearest = std::max((points.row(v1) - points.row(v0)).norm(), 100 * shortest_) / 4;
+    const double nearest =
+        std::max((points.row(v1) - points.row(v0)).norm(), 100 * shortest_[hinge.component]) / 4;
     const bool at_held = unknown_[v0] < 0 || unknown_[v1] < 0;
     const double d = at_held ? nearest : std::max(nearest, (distance[v0] + distance[v1]) / 2);
     hinge.bending = 1 + std::pow(reach * std::sqrt(areas[hinge.component]) / d, exponent);
@@ -262,8 +276,8 @@ ShellSurface::Metric ShellSurface::metric(const RestStrain& strain, const Contex
                        right = bends ? area_of(wanted[0], wanted[1], wanted[3]) : 0;
           // Thin faces are not to be stiffer than this, so that they do not hold the others.
           constexpr double smallest = 0.02;
-          metric.areas[h] =
-              std::max((left + right) / 3, smallest * std::pow(std::max(shape.length, shortest_), 2));
+          metric.areas[h] = std::max(
+              (left + right) / 3, smallest * std::pow(std::max(shape.length, shortest_[hinge.component]), 2));
         }
       },
       context);

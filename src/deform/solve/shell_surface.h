@@ -58,8 +58,8 @@ class ShellSurface {
   const std::vector<Eigen::Vector3<Index>>& faces() const { return faces_; }  ///< those with a moving corner
   Index component_of_face(std::size_t face) const { return component_of_face_[face]; }
   Index components() const { return components_; }
-  /// Returns the length below which edges count as longer, so that they do not outweigh the rest.
-  double shortest() const { return shortest_; }
+  /// Returns the length as which shorter edges of a component count, so that they do not outweigh the rest.
+  double shortest(Index component) const { return shortest_[component]; }
   const std::vector<Index>& moving() const { return moving_; }    ///< vertices, ascending
   Index unknown(Index vertex) const { return unknown_[vertex]; }  ///< rank in `moving`, or -1
 
@@ -67,6 +67,7 @@ class ShellSurface {
   Flags free_vertices() const;
   void choose_moving(const Context& context);
   void list_hinges(const Context& context);
+  void measure_edges();
   void grade_bending();
   std::array<Eigen::Vector3d, 4> strained(const Hinge& hinge, const RestStrain& strain) const;
   double wanted_area(const Eigen::Vector3<Index>& face, const RestStrain& strain) const;
@@ -78,7 +79,7 @@ class ShellSurface {
   std::vector<Eigen::Vector3<Index>> faces_;
   std::vector<Index> component_of_face_;
   Index components_ = 0;
-  double shortest_ = 0;
+  std::vector<double> shortest_;
   std::vector<Hinge> hinges_;
 };
 
