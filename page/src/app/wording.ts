@@ -745,10 +745,6 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
     problem: `the surface had not settled after ${counted(iterations, "iteration")} (it would have rotated by another ${formatNumber(change_deg, 4, 1)}°)`,
     remedy: "Raise Iterations, under More settings, or rotate by less.",
   }),
-  "script.shell_not_settled": ({ steps }) => ({
-    problem: `the surface had not settled after ${counted(steps, "step")}`,
-    remedy: "A smaller rotation or move bends more evenly.",
-  }),
   "script.overlaps_mirror_image": ({ handle, shared, all }) => ({
     problem: `“${handle}” overlaps its mirror image, in ${shared} of ${counted(all, "vertex", "vertices")}`,
     remedy: "Keep it on one side of the plane, or move the plane under Symmetry.",
@@ -777,6 +773,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   }),
   "script.setting_without_use": ({ method, setting }) => ({
     problem: `the method ${methodWord(method)} does not use the ${settingWord(setting)}, so that it changed nothing`,
+  }),
+  "script.shell_not_settled": ({ steps }) => ({
+    problem: `the surface had not settled after ${counted(steps, "step")}`,
+    remedy: "A smaller rotation or move bends more evenly.",
   }),
   "script.side_without_closed_loop": ({ side, mesh, edges, vertex }) => ({
     problem: `the ${sideWord(side)} (${mesh}) has no closed boundary loop: ${counted(edges, "edge has", "edges have")} more than two faces, first at vertex ${vertex}`,

@@ -245,10 +245,10 @@ Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, co
   return twist_shear(at, twist_rate(at, turn, slope, reference, stretch), stretch);
 }
 
-Eigen::Vector3d wanted_turning(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
-                               const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch) {
+Eigen::Vector3d wanted_turning(const LimbPoint& at, const TwistRate& twist, const Eigen::Vector3d& turn,
+                               const Eigen::Vector3d& slope, const Eigen::Matrix3d& reference,
+                               const Eigen::Matrix3d& stretch) {
   constexpr double share_of_bend = 0.2;  // chosen on the tests of docs/methods.md
-  const TwistRate twist = twist_rate(at, turn, slope, reference, stretch);
   const Eigen::Vector3d twisting = twist.rate * twist.axis;
   const double length = (stretch * at.direction).norm();
   if (is_on_disc(at) || !(length > 0)) return twisting;

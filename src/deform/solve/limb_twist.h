@@ -95,10 +95,11 @@ Eigen::Matrix3d twist_shear(const LimbPoint& at, const Eigen::Vector3d& turn, co
                             const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
 
 /// Returns the rotation vector per length at rest by which the sections of a limb are to turn against each
-/// other on a shell: all of the twist, and a share of the bend. A limb that is strained by all of its bend
-/// keeps its width, but costs more than it should where it cannot be an arc.
-Eigen::Vector3d wanted_turning(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
-                               const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
+/// other on a shell: all of the twist, which is that of `twist_rate`, and a share of the bend. A limb that is
+/// strained by all of its bend keeps its width, but costs more than it should where it cannot be an arc.
+Eigen::Vector3d wanted_turning(const LimbPoint& at, const TwistRate& twist, const Eigen::Vector3d& turn,
+                               const Eigen::Vector3d& slope, const Eigen::Matrix3d& reference,
+                               const Eigen::Matrix3d& stretch);
 
 /// Returns the strain (k × U r) bᵀ of a rod whose sections turn by k per length.
 Eigen::Matrix3d rod_strain(const LimbPoint& at, const Eigen::Vector3d& turning, const Eigen::Matrix3d& stretch);

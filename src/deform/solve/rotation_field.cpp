@@ -197,7 +197,7 @@ bool RotationField::blend(std::span<const VertexConstraint> constraints, const F
     const Eigen::Matrix3d plain = blended.stretch[v];
     blended.stretch[v] += twist_shear(at, twist, plain) * at.moment * at.direction.transpose();
     if (!keeps_strain_) return;
-    strain.turning[v] = wanted_turning(at, turn, slope, reference, plain);
+    strain.turning[v] = wanted_turning(at, twist, turn, slope, reference, plain);
     strain.stretch[v] = plain + rod_strain(at, strain.turning[v], plain);
   });
   return true;
