@@ -270,7 +270,7 @@ void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& co
 }
 
 /// Computes x ← P L⁻ᵀ L⁻¹ Pᵀ x. A front reads all right-hand sides of an unknown at once, because x is stored
-/// row by row.
+/// row by row. The way up leaves out subtrees where all right-hand sides are zero.
 template <class Layout>
 void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout,
                                     const Context& context) const {
@@ -288,16 +288,26 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layo
     std::vector<double> values;
   };
   tbb::enumerable_thread_specific<Scratch> scratches;
-  // Per supernode, in its own front: the amounts that its columns subtract from the rows below.
+  // Per supernode, in its own front: the amounts that its columns subtract from the rows below; null if none.
   std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
+  const auto has_sides = [&](const Front& f) {
+    const auto is_zero = [](double value) { return value == 0; };
+    for (int r = 0; r < f.columns; ++r)
+      if (const double* from = &x(pattern_.order[f.first + r], 0); !std::all_of(from, from + width, is_zero))
+        return true;
+    return false;
+  };
   forest_.visit_up(
       [&](int node) {
         const Front f = front(node);
+        const auto has_updates = [&](int child) { return fronts[child] != nullptr; };
+        if (std::none_of(children_[node].begin(), children_[node].end(), has_updates) && !has_sides(f)) return;
         fronts[node].reset(new double[layout.size(f.rows)]());
         double* values = fronts[node].get();
         for (int r = 0; r < f.columns; ++r) read_row(f.first + r, f, r, values);
         std::vector<int>& rows = scratches.local().rows;
         for (const int child : children_[node]) {
+          if (!has_updates(child)) continue;
           const Front g = front(child);
           rows.resize(g.below());
           for (int r = 0, k = 0; r < g.below(); ++r) {
