@@ -73,7 +73,8 @@ class FunctionResponses {
   /// Solves for all that was added.
   void solve(const Context& context) {
     if (rows_.empty()) return;
-    context.step("reduce", static_cast<double>(solved_) / static_cast<double>(field_.width()));
+    const std::size_t all = 3 * (field_.function_count() + field_.twist_function_count());
+    context.step("reduce", static_cast<double>(solved_) / static_cast<double>(all));
     y_.rightCols(at_once - static_cast<Eigen::Index>(rows_.size())).setZero();
     system_.back_substitute(y_, context);
     multiply(displacements_, y_, moves_, context);
