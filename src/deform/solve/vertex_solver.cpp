@@ -48,7 +48,8 @@ SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows,
   const int* const outer = matrix.outerIndexPtr();
   std::vector<int> lengths;
   lengths.reserve(rows.size());
-  for (const Index row : rows) lengths.push_back(outer[row + 1] - outer[row]);
+  const int* const counts = matrix.innerNonZeroPtr();  // null if the matrix is compressed
+  for (const Index row : rows) lengths.push_back(counts != nullptr ? counts[row] : outer[row + 1] - outer[row]);
   SparseRows selected = rows_of_lengths(lengths, matrix.cols());
   const auto copy = [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
