@@ -24,7 +24,7 @@ DYNAMICALLY = "linked dynamically"
 OURS = "meshgraft/"
 # Headers of C++ have no ending; those of C and POSIX have no folder, or one of these.
 SYSTEM_FOLDERS = ("sys/",)
-SYSTEM_HEADERS = {"dlfcn.h", "fcntl.h", "malloc.h", "poll.h", "signal.h", "spawn.h", "termios.h", "unistd.h"}
+SYSTEM_HEADERS = {"cpuid.h", "dlfcn.h", "fcntl.h", "malloc.h", "poll.h", "signal.h", "spawn.h", "termios.h", "unistd.h"}
 
 
 class Row:

@@ -18,4 +18,9 @@ void bisect_for_multifrontal(const OrderingGraph& graph, const Context& context)
 std::unique_ptr<LinearSolver> copy_analysis(const LinearSolver& solver);
 std::unique_ptr<LinearSolver> copy_multifrontal_analysis(const LinearSolver& solver);  // if it is built in
 
+/// Rounds a factor to single precision, which serves a preconditioner and takes half the memory, if the backend
+/// can.
+void round_factor(LinearSolver& solver);
+void round_multifrontal_factor(LinearSolver& solver);  // if it is built in
+
 }  // namespace meshgraft

@@ -12,6 +12,7 @@ namespace meshgraft::simd {
 template <int lanes>
 struct Vector {
   using Type [[gnu::vector_size(lanes * sizeof(double))]] = double;
+  using Singles [[gnu::vector_size(lanes * sizeof(float))]] = float;
 };
 template <>
 struct Vector<1> {
@@ -23,6 +24,18 @@ using Lanes = typename Vector<lanes>::Type;
 template <int lanes>
 MESHGRAFT_INLINE void load(const double* from, Lanes<lanes>& values) {
   std::memcpy(&values, from, sizeof(values));
+}
+
+/// Loads numbers in single precision.
+template <int lanes>
+MESHGRAFT_INLINE void load(const float* from, Lanes<lanes>& values) {
+  if constexpr (lanes == 1) {
+    values = *from;
+  } else {
+    typename Vector<lanes>::Singles singles;
+    std::memcpy(&singles, from, sizeof(singles));
+    values = __builtin_convertvector(singles, Lanes<lanes>);
+  }
 }
 
 template <int lanes>

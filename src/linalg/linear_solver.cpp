@@ -56,6 +56,12 @@ std::unique_ptr<LinearSolver> copy_analysis([[maybe_unused]] const LinearSolver&
 #endif
 }
 
+void round_factor([[maybe_unused]] LinearSolver& solver) {
+#ifdef MESHGRAFT_HAS_MULTIFRONTAL
+  round_multifrontal_factor(solver);
+#endif
+}
+
 std::future<void> begin_bisection([[maybe_unused]] const OrderingGraph& graph,
                                   [[maybe_unused]] SolverBackend backend,
                                   [[maybe_unused]] const Context& context) {

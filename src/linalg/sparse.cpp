@@ -122,14 +122,19 @@ template <Result result>
 constexpr auto* multiply_avx512 = multiply_baseline<result>;
 #endif
 
-/// Computes all columns of y = a·x or y ← y + a·x, from those `skipped` further on in x. Widths are
-/// compile-time constants, so that sums stay in registers. The last bits depend on the instructions.
+/// Some columns of x, and as many of y.
+struct ColumnRange {
+  Eigen::Index of_x, of_y, count;
+};
+
+/// Computes y = a·x or y ← y + a·x for some columns. Widths are compile-time constants, so that sums stay in
+/// registers. The last bits depend on the instructions.
 template <Result result>
-void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index skipped, Columns& y,
-                          const Context& context, platform::VectorInstructions instructions) {
+void multiply_range(const SparseRows& a, const Columns& x, Columns& y, const ColumnRange& range,
+                    const Context& context, platform::VectorInstructions instructions) {
   assert(a.isCompressed());
   if (a.nonZeros() == 0) {  // x may have no rows, and no memory
-    if (result == Result::set) y.setZero();
+    if (result == Result::set) y.middleCols(range.of_y, range.count).setZero();
     return;
   }
   const auto kernel = [&] {
@@ -142,8 +147,8 @@ void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index sk
   constexpr Eigen::Index entries_at_once = 32'768;
   const std::size_t rows_at_once =
       std::clamp<Eigen::Index>(entries_at_once * a.rows() / std::max<Eigen::Index>(a.nonZeros(), 1), 16, 4096);
-  for (Eigen::Index first = 0; first < y.cols();) {
-    const Eigen::Index left = y.cols() - first;
+  for (Eigen::Index first = 0; first < range.count;) {
+    const Eigen::Index left = range.count - first;
     int width = 3;
     if (left != width)
       for (width = 32; width > left || width == 2;) width /= 2;
@@ -152,8 +157,8 @@ void multiply_all_columns(const SparseRows& a, const Columns& x, Eigen::Index sk
         [&](std::size_t begin, std::size_t end) {
           kernel(width,
                  {static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end), a.outerIndexPtr(),
-                  a.innerIndexPtr(), a.valuePtr(), x.data() + skipped + first, x.cols(), y.data() + first,
-                  y.cols()},
+                  a.innerIndexPtr(), a.valuePtr(), x.data() + range.of_x + first, x.cols(),
+                  y.data() + range.of_y + first, y.cols()},
                  x.data() + x.size());
         },
         context, rows_at_once);
@@ -170,18 +175,18 @@ Columns multiply(const SparseRows& a, const Columns& x, const Context& context) 
 }
 
 void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& context) {
-  multiply(a, x, 0, x.cols(), y, context);
+  y.resize(a.rows(), x.cols());
+  multiply_columns(a, x, 0, x.cols(), y, 0, context);
 }
 
-void multiply(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
-              const Context& context, platform::VectorInstructions instructions) {
-  y.resize(a.rows(), count);
-  multiply_all_columns<Result::set>(a, x, first, y, context, instructions);
+void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
+                      Eigen::Index at, const Context& context, platform::VectorInstructions instructions) {
+  multiply_range<Result::set>(a, x, y, {first, at, count}, context, instructions);
 }
 
 void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context,
                  platform::VectorInstructions instructions) {
-  multiply_all_columns<Result::add>(a, x, 0, y, context, instructions);
+  multiply_range<Result::add>(a, x, y, {0, 0, y.cols()}, context, instructions);
 }
 
 SparseRows stack(const SparseRows& top, const SparseRows& bottom, const Context& context) {

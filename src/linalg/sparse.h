@@ -28,10 +28,10 @@ Columns multiply(const SparseRows& a, const Columns& x, const Context& context =
 /// Computes y = a·x in the memory of y.
 void multiply(const SparseRows& a, const Columns& x, Columns& y, const Context& context);
 
-/// Computes y = a·x for columns first … first + count of x, in the memory of y.
-void multiply(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
-              const Context& context,
-              platform::VectorInstructions instructions = platform::vector_instructions());
+/// Computes a·x for columns first … first + count of x, and sets columns at … at + count of y.
+void multiply_columns(const SparseRows& a, const Columns& x, Eigen::Index first, Eigen::Index count, Columns& y,
+                      Eigen::Index at, const Context& context,
+                      platform::VectorInstructions instructions = platform::vector_instructions());
 
 /// Computes y ← y + a·x.
 void add_product(const SparseRows& a, const Columns& x, Columns& y, const Context& context,

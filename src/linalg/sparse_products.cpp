@@ -30,14 +30,16 @@ struct SparseRow {
   const double* values;
 };
 
-/// Sums sparse rows in a dense array. Bits tell which columns were touched, so that they are listed in order
-/// without sorting them: only the words of 64 bits are sorted, and neighbouring columns share a word.
+/// Sums sparse rows in a dense array of numbers, or of threes of numbers. Bits tell which columns were touched,
+/// so that they are listed in order without sorting them: only the words of 64 bits are sorted, and
+/// neighbouring columns share a word.
+template <class Value>
 class RowAccumulator {
  public:
   explicit RowAccumulator(Eigen::Index columns)
-      : values_(columns, 0.0), bits_(static_cast<std::size_t>(columns) / word_size + 1, 0) {}
+      : values_(columns), bits_(static_cast<std::size_t>(columns) / word_size + 1, 0) {}
 
-  void add(int column, double value) {
+  void add(int column, const Value& value) {
     std::uint64_t& word = bits_[static_cast<std::size_t>(column) / word_size];
     const std::uint64_t bit = std::uint64_t{1} << (static_cast<unsigned>(column) % word_size);
     if ((word & bit) != 0) {
@@ -50,7 +52,7 @@ class RowAccumulator {
   }
 
   /// Appends the touched columns, ascending, and their sums. The next row then starts empty.
-  void flush(std::vector<int>& columns, std::vector<double>& values) {
+  void flush(std::vector<int>& columns, std::vector<Value>& values) {
     std::sort(words_.begin(), words_.end());
     for (const int number : words_) {
       for (std::uint64_t word = bits_[number]; word != 0; word &= word - 1) {
@@ -65,7 +67,7 @@ class RowAccumulator {
 
  private:
   static constexpr std::size_t word_size = 64;
-  std::vector<double> values_;
+  std::vector<Value> values_;  ///< valid where a bit is set
   std::vector<std::uint64_t> bits_;
   std::vector<int> words_;  ///< numbers of the words with a bit set
 };
@@ -95,11 +97,28 @@ Flags rows_alike(const SparseRows& b, const Context& context) {
   return alike;
 }
 
+/// One matrix that others are multiplied by.
 struct Factor {
+  using Value = double;
   const SparseRows& rows;
   Flags alike;
 
   Factor(const SparseRows& matrix, const Context& context) : rows(matrix), alike(rows_alike(matrix, context)) {}
+  double at(int entry) const { return rows.valuePtr()[entry]; }
+};
+
+/// Three matrices with entries at the same places.
+struct AlikeFactor {
+  using Value = Eigen::Array3d;
+  const AlikeRows& matrices;
+  const SparseRows& rows;  ///< the first one
+  Flags alike;
+
+  AlikeFactor(const AlikeRows& three, const Context& context)
+      : matrices(three), rows(three[0]), alike(rows_alike(three[0], context)) {}
+  Eigen::Array3d at(int entry) const {
+    return {matrices[0].valuePtr()[entry], matrices[1].valuePtr()[entry], matrices[2].valuePtr()[entry]};
+  }
 };
 
 SparseRow row_of(const SparseRows& matrix, Eigen::Index row) {
@@ -108,7 +127,9 @@ SparseRow row_of(const SparseRows& matrix, Eigen::Index row) {
 }
 
 /// Computes sum += factor · a·b from column `first` on.
-void add_product(const SparseRow& a, const Factor& b, double factor, int first, RowAccumulator& sum) {
+template <class AnyFactor>
+void add_product(const SparseRow& a, const AnyFactor& b, double factor, int first,
+                 RowAccumulator<typename AnyFactor::Value>& sum) {
   const int* outer = b.rows.outerIndexPtr();
   for (std::size_t k = 0; k < a.columns.size();) {
     const int from = a.columns[k];
@@ -117,48 +138,52 @@ void add_product(const SparseRow& a, const Factor& b, double factor, int first, 
            a.columns[k + together] == from + static_cast<int>(together))
       ++together;
     const int begin = outer[from], length = outer[from + 1] - begin;
-    const int* columns = b.rows.innerIndexPtr() + begin;
-    const double* v = b.rows.valuePtr() + begin;
+    const int* columns = b.rows.innerIndexPtr();
     const int skip =
-        first > 0 ? static_cast<int>(std::lower_bound(columns, columns + length, first) - columns) : 0;
+        first > 0
+            ? static_cast<int>(std::lower_bound(columns + begin, columns + begin + length, first) - columns)
+            : begin;
     const double f0 = factor * a.values[k];
     if (together == 3) {
       const double f1 = factor * a.values[k + 1], f2 = factor * a.values[k + 2];
-      for (int e = skip; e < length; ++e)
-        sum.add(columns[e], f0 * v[e] + f1 * v[e + length] + f2 * v[e + 2 * length]);
+      for (int e = skip; e < begin + length; ++e)
+        sum.add(columns[e], f0 * b.at(e) + f1 * b.at(e + length) + f2 * b.at(e + 2 * length));
     } else if (together == 2) {
       const double f1 = factor * a.values[k + 1];
-      for (int e = skip; e < length; ++e) sum.add(columns[e], f0 * v[e] + f1 * v[e + length]);
+      for (int e = skip; e < begin + length; ++e) sum.add(columns[e], f0 * b.at(e) + f1 * b.at(e + length));
     } else {
-      for (int e = skip; e < length; ++e) sum.add(columns[e], f0 * v[e]);
+      for (int e = skip; e < begin + length; ++e) sum.add(columns[e], f0 * b.at(e));
     }
     k += together;
   }
 }
 
 /// Rows of a sum of products, stored in blocks so that no two threads write to the same memory.
+template <class Value>
 struct ProductRows {
   std::vector<std::int64_t> offsets;            // rows + 1
   std::vector<std::vector<int>> block_columns;  // per block: its rows one after another
-  std::vector<std::vector<double>> block_values;
+  std::vector<std::vector<Value>> block_values;
   static constexpr std::size_t block_size = 256;
 };
 
 /// Computes rows of a product: `add_row(row, sum)` adds up a row in `sum`.
-template <typename AddRow>
-ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, const AddRow& add_row,
-                          const Context& context) {
-  const std::size_t blocks = (rows + ProductRows::block_size - 1) / ProductRows::block_size;
-  ProductRows result;
+template <class Value, class AddRow>
+ProductRows<Value> multiply_rows(std::size_t rows, Eigen::Index columns, const AddRow& add_row,
+                                 const Context& context) {
+  constexpr std::size_t block_size = ProductRows<Value>::block_size;
+  const std::size_t blocks = (rows + block_size - 1) / block_size;
+  ProductRows<Value> result;
   result.offsets.assign(rows + 1, 0);
   result.block_columns.resize(blocks);
   result.block_values.resize(blocks);
   struct Scratch {
-    RowAccumulator sum;
+    RowAccumulator<Value> sum;
     std::vector<int> columns;
-    std::vector<double> values;
+    std::vector<Value> values;
   };
-  tbb::enumerable_thread_specific<Scratch> scratches([&] { return Scratch{RowAccumulator(columns), {}, {}}; });
+  tbb::enumerable_thread_specific<Scratch> scratches(
+      [&] { return Scratch{RowAccumulator<Value>(columns), {}, {}}; });
   parallel_blocks(
       blocks,
       [&](std::size_t begin, std::size_t end) {
@@ -166,8 +191,8 @@ ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, const AddRow& 
         for (std::size_t block = begin; block < end; ++block) {
           scratch.columns.clear();
           scratch.values.clear();
-          const std::size_t last = std::min(rows, (block + 1) * ProductRows::block_size);
-          for (std::size_t row = block * ProductRows::block_size; row < last; ++row) {
+          const std::size_t last = std::min(rows, (block + 1) * block_size);
+          for (std::size_t row = block * block_size; row < last; ++row) {
             add_row(static_cast<Eigen::Index>(row), scratch.sum);
             const std::size_t before = scratch.columns.size();
             scratch.sum.flush(scratch.columns, scratch.values);
@@ -182,30 +207,62 @@ ProductRows multiply_rows(std::size_t rows, Eigen::Index columns, const AddRow& 
   return result;
 }
 
-/// Moves the blocks into one compressed matrix and frees each block once it is copied.
-template <typename Matrix>
-Matrix compress(ProductRows&& product, Eigen::Index rows, Eigen::Index columns, const Context& context) {
+/// Makes room in a matrix for the entries of a product, and sets where its rows begin.
+template <class Value, class Matrix>
+void make_room(const ProductRows<Value>& product, Eigen::Index rows, Eigen::Index columns, Matrix& matrix) {
   using StorageIndex = typename Matrix::StorageIndex;
   if constexpr (sizeof(StorageIndex) < sizeof(std::int64_t)) require_countable(product.offsets.back());
-  Matrix matrix(rows, columns);
+  matrix.resize(rows, columns);
   matrix.resizeNonZeros(product.offsets.back());
   std::transform(product.offsets.begin(), product.offsets.end(), matrix.outerIndexPtr(),
                  [](std::int64_t offset) { return static_cast<StorageIndex>(offset); });
+}
+
+/// Calls `copy(columns, values, start)` for each block, where `start` is its first entry, and frees the block.
+template <class Value, class Copy>
+void empty_blocks(ProductRows<Value>&& product, const Context& context, const Copy& copy) {
   parallel_blocks(
       product.block_columns.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t block = begin; block < end; ++block) {
-          const std::int64_t start = product.offsets[block * ProductRows::block_size];
-          std::copy(product.block_columns[block].begin(), product.block_columns[block].end(),
-                    matrix.innerIndexPtr() + start);
-          std::copy(product.block_values[block].begin(), product.block_values[block].end(),
-                    matrix.valuePtr() + start);
+          copy(product.block_columns[block], product.block_values[block],
+               product.offsets[block * ProductRows<Value>::block_size]);
           std::vector<int>().swap(product.block_columns[block]);
-          std::vector<double>().swap(product.block_values[block]);
+          std::vector<Value>().swap(product.block_values[block]);
         }
       },
       context, 16);
+}
+
+/// Moves the blocks into one compressed matrix.
+template <typename Matrix>
+Matrix compress(ProductRows<double>&& product, Eigen::Index rows, Eigen::Index columns,
+                const Context& context) {
+  Matrix matrix;
+  make_room(product, rows, columns, matrix);
+  empty_blocks(std::move(product), context,
+               [&](const std::vector<int>& from, const std::vector<double>& values, std::int64_t start) {
+                 std::copy(from.begin(), from.end(), matrix.innerIndexPtr() + start);
+                 std::copy(values.begin(), values.end(), matrix.valuePtr() + start);
+               });
   return matrix;
+}
+
+/// Moves the blocks into three matrices.
+AlikeRows compress_alike(ProductRows<Eigen::Array3d>&& product, Eigen::Index rows, Eigen::Index columns,
+                         const Context& context) {
+  AlikeRows matrices;
+  for (SparseRows& matrix : matrices) make_room(product, rows, columns, matrix);
+  empty_blocks(
+      std::move(product), context,
+      [&](const std::vector<int>& from, const std::vector<Eigen::Array3d>& values, std::int64_t start) {
+        for (int k = 0; k < 3; ++k) {
+          std::copy(from.begin(), from.end(), matrices[k].innerIndexPtr() + start);
+          std::transform(values.begin(), values.end(), matrices[k].valuePtr() + start,
+                         [k](const Eigen::Array3d& value) { return value[k]; });
+        }
+      });
+  return matrices;
 }
 
 /// Returns the column of the only entry in each row of b, or -1 in an empty row, if b selects columns: no row
@@ -275,45 +332,72 @@ SparseRows multiply_selection(const SparseRows& a, const SparseRows& b, const st
 SparseRows multiply(const SparseRows& a, const SparseRows& b, const Context& context) {
   if (const auto column_of = selected_columns(b)) return multiply_selection(a, b, *column_of, context);
   const Factor right(b, context);
-  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
+  const auto add_row = [&](Eigen::Index row, RowAccumulator<double>& sum) {
     add_product(row_of(a, row), right, 1, 0, sum);
   };
-  return compress<SparseRows>(multiply_rows(a.rows(), b.cols(), add_row, context), a.rows(), b.cols(), context);
+  return compress<SparseRows>(multiply_rows<double>(a.rows(), b.cols(), add_row, context), a.rows(), b.cols(),
+                              context);
 }
 
 SparseRows difference_of_products(const SparseProduct& first, const SparseProduct& second,
                                   const Context& context) {
   const Factor right1(first.b, context), right2(second.b, context);
-  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
+  const auto add_row = [&](Eigen::Index row, RowAccumulator<double>& sum) {
     add_product(row_of(first.a, row), right1, 1, 0, sum);
     add_product(row_of(second.a, row), right2, -1, 0, sum);
   };
   const Eigen::Index rows = first.a.rows(), columns = first.b.cols();
-  return compress<SparseRows>(multiply_rows(rows, columns, add_row, context), rows, columns, context);
+  return compress<SparseRows>(multiply_rows<double>(rows, columns, add_row, context), rows, columns, context);
+}
+
+namespace {
+
+/// A row of a product that is multiplied further at once, instead of storing it.
+class InnerRow {
+ public:
+  explicit InnerRow(Eigen::Index columns) : sum_(columns) {}
+
+  /// Returns a·b. Its columns ascend, so that the next product finds consecutive rows that are alike.
+  SparseRow multiply(const SparseRow& a, const Factor& b) {
+    add_product(a, b, 1, 0, sum_);
+    columns_.clear();
+    values_.clear();
+    sum_.flush(columns_, values_);
+    return {columns_, values_.data()};
+  }
+
+ private:
+  RowAccumulator<double> sum_;
+  std::vector<int> columns_;
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+AlikeRows alike_products(const AlikeTerms& terms, const Context& context) {
+  const Factor right_b(terms.b, context);
+  const AlikeFactor right_c(terms.c, context), right_e(terms.e, context);
+  tbb::enumerable_thread_specific<InnerRow> inner([&] { return InnerRow(terms.b.cols()); });
+  const auto add_row = [&](Eigen::Index row, RowAccumulator<Eigen::Array3d>& sum) {
+    add_product(inner.local().multiply(row_of(terms.a, row), right_b), right_c, 1, 0, sum);
+    add_product(row_of(terms.d, row), right_e, -1, 0, sum);
+  };
+  const Eigen::Index rows = terms.a.rows(), columns = terms.c[0].cols();
+  return compress_alike(multiply_rows<Eigen::Array3d>(rows, columns, add_row, context), rows, columns, context);
 }
 
 // K G is not stored: it would have more entries than all other matrices.
 NormalMatrix normal_equations(const NormalTerms& terms, const Context& context) {
   const Factor right_A(terms.A, context), right_K(terms.K, context), right_G(terms.G, context);
-  struct Inner {
-    RowAccumulator sum;
-    std::vector<int> columns;
-    std::vector<double> values;
-  };
-  tbb::enumerable_thread_specific<Inner> inners([&] { return Inner{RowAccumulator(terms.K.cols()), {}, {}}; });
+  tbb::enumerable_thread_specific<InnerRow> inner([&] { return InnerRow(terms.K.cols()); });
   // The upper triangle by rows is the lower triangle by columns.
-  const auto add_row = [&](Eigen::Index row, RowAccumulator& sum) {
+  const auto add_row = [&](Eigen::Index row, RowAccumulator<double>& sum) {
     const auto first = static_cast<int>(row);
     add_product(row_of(terms.A_transposed, row), right_A, 1, first, sum);
-    Inner& inner = inners.local();
-    add_product(row_of(terms.G_transposed, row), right_K, 1, 0, inner.sum);
-    inner.columns.clear();
-    inner.values.clear();
-    inner.sum.flush(inner.columns, inner.values);  // ascending, so that the rows of a map are added together
-    add_product({inner.columns, inner.values.data()}, right_G, 1, first, sum);
+    add_product(inner.local().multiply(row_of(terms.G_transposed, row), right_K), right_G, 1, first, sum);
   };
   const Eigen::Index unknowns = terms.A.cols();
-  return compress<NormalMatrix>(multiply_rows(unknowns, unknowns, add_row, context), unknowns, unknowns,
+  return compress<NormalMatrix>(multiply_rows<double>(unknowns, unknowns, add_row, context), unknowns, unknowns,
                                 context);
 }
 

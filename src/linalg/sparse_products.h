@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include <meshgraft/core/context.h>
@@ -20,6 +21,22 @@ struct SparseProduct {
 /// non-zeros.
 SparseRows difference_of_products(const SparseProduct& first, const SparseProduct& second,
                                   const Context& context = {});
+
+/// Three matrices with entries at the same places.
+using AlikeRows = std::array<SparseRows, 3>;
+
+/// The products a·b·cₖ − d·eₖ for three matrices c and three matrices e.
+struct AlikeTerms {
+  const SparseRows& a;
+  const SparseRows& b;
+  const AlikeRows& c;
+  const SparseRows& d;
+  const AlikeRows& e;
+};
+
+/// Computes the three products. Throws Error(input) with the id linalg.operator_too_large when one has 2³¹ or
+/// more non-zeros.
+AlikeRows alike_products(const AlikeTerms& terms, const Context& context = {});
 
 /// The normal equations' matrix AᵀA + Gᵀ K G for a symmetric K. Transposes are passed because they serve
 /// right-hand sides, too.

@@ -82,7 +82,7 @@ AffineOperator::AffineOperator(const OperatorMesh& mesh, const ConstraintMask& m
   if (has_integral_rows(options)) {
     intrinsic_edges_ =
         std::make_shared<const IntrinsicEdges>(intrinsic_delaunay_edges(points, triangles, context));
-    build_integral_rows(map_places({points, normals, rings_, numbers}, context), mask, context);
+    build_integral_rows(map_places({points, normals, rings_, numbers}, context), mask);
   } else {
     pairs_ =
         smoothness_pairs(triangles, faces_at, rings_, flag_unknown_maps(mask), options.opposite_pairs, context);
@@ -95,8 +95,7 @@ AffineOperator::AffineOperator(const OperatorMesh& mesh, const ConstraintMask& m
 /// Builds the rows ℓ̄ √(12 w) (M_i − M_j) e_k of the intrinsic edges. The factor 12 is measured: it balances E_R
 /// with λ E_L and the stiffness (docs/method.md). The weight of cotangents is that of a difference between the
 /// edge's ends, but maps differ as their places do.
-void AffineOperator::build_integral_rows(const Points& places, const ConstraintMask& mask,
-                                         const Context& context) {
+void AffineOperator::build_integral_rows(const Points& places, const ConstraintMask& mask) {
   constexpr double least = 1.0 / 16, most = 4;  // of a weight's factor
   const double scale = mean_edge_length_ * std::sqrt(12.0);
   const Points& points = nodes_.positions;

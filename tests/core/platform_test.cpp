@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <system_error>
@@ -301,6 +302,13 @@ TEST(PlatformInterruptDeathTest, WithoutAWatchARequestEndsTheProgram) {
     std::_Exit(0);
   };
   EXPECT_EXIT(end(), testing::KilledBySignal(SIGTERM), "");
+}
+
+TEST(Platform, KnowsAVirtualMachineAsTheKernelDoes) {
+  std::ifstream file("/proc/cpuinfo");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (text.find("flags") == std::string::npos) GTEST_SKIP() << "the kernel lists no flags of the processor";
+  EXPECT_EQ(platform::is_virtual_machine(), text.find(" hypervisor") != std::string::npos);
 }
 
 }  // namespace

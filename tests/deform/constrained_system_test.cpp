@@ -123,15 +123,6 @@ TEST(ConstrainedSystem, TargetsAddWhatTheyCauseAtRest) {
   }
 }
 
-TEST(ConstrainedSystem, BothWaysToRespondAgree) {
-  for_each_system([](const SystemScene& scene) {
-    const ConstrainedSystem::Known values = any_values(scene, 5);
-    const MapField field = any_field(scene, 6);
-    expect_near(scene.system->respond(values, field, scene.system->coupling({}), {}),
-                scene.system->respond(values, field, 1, {}), 1e-8);
-  });
-}
-
 TEST(ConstrainedSystem, CouplingIsTheSquareOfTheRowsOfSmoothness) {
   for_each_system([](const SystemScene& scene) {
     const SparseRows P = scene.system->operators()->P();
@@ -160,12 +151,12 @@ TEST(ConstrainedSystem, FieldRowsGiveTheResponseToAFieldOfNumbers) {
   for_each_system([](const SystemScene& scene) {
     const ConstrainedSystem& system = *scene.system;
     const Index n = system.patch().size();
-    const SparseRows coupling = system.coupling({});
+    const AlikeRows sides = system.field_rows({});
     const Columns phi = any_columns(n, 2, 13);
     for (int axis = 0; axis < 3; ++axis) {
       MapField field{Columns::Zero(3 * n, 2)};
       for (Index v = 0; v < n; ++v) field.maps.row(3 * v + axis) = phi.row(v);
-      Columns y = multiply(system.field_rows(axis, coupling, {}), phi);
+      Columns y = multiply(sides[axis], phi);
       system.back_substitute(y, {});
       expect_near(y, system.respond(system.no_values(2), field, 1, {}), 1e-8);
     }

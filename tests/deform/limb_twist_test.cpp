@@ -133,7 +133,9 @@ TEST(LimbTwist, AxesOfADiscPointToOneSideOfTheSheet) {
     const LimbTwist limbs = limbs_of(sheet.mesh, sheet.given);
     ASSERT_FALSE(limbs.empty());
     for (const Index v : sheet.free)
-      if (const LimbPoint at = limbs.at(v); is_on_disc(at)) EXPECT_GT(at.axis[2], 0.5);
+      if (const LimbPoint at = limbs.at(v); is_on_disc(at)) {
+        EXPECT_GT(at.axis[2], 0.5);
+      }
   }
 }
 

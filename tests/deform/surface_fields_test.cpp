@@ -251,7 +251,9 @@ TEST(GroupWeights, KeepAConstantAndGivenValuesToTheBit) {
     const Columns values = values_of_groups(scene, groups);
     const Columns spread = groups.spread(groups.common_values(values).value(), values, {});
     for (Index v = 0; v < scene.mesh.size(); ++v)
-      if (scene.given[v]) EXPECT_EQ(spread.row(v), values.row(v));
+      if (scene.given[v]) {
+        EXPECT_EQ(spread.row(v), values.row(v));
+      }
   }
 }
 

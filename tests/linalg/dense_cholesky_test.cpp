@@ -159,6 +159,26 @@ TEST_F(DenseCholesky, SubstitutesNarrowlyForAnyNumberOfColumns) {
   });
 }
 
+TEST_F(DenseCholesky, SubstitutesWithARoundedPanelInDoublePrecision) {
+  for_all_instructions([](platform::VectorInstructions instructions) {
+    for (const DenseFront& front : front_families()) {
+      const Eigen::MatrixXf rounded = factorised(front).cast<float>();
+      const MatrixXd panel = rounded.cast<double>();
+      for (const int width : {1, 3, 4, 7}) {
+        const MatrixXd sides = MatrixXd::Random(front.rows(), width);
+        const auto solved = [&](const auto& of) {
+          MatrixXd x = sides;
+          solve_narrow_panel(of.data(), front.rows(), front.columns, x.data(), width, instructions);
+          solve_narrow_panel_transposed(of.data(), front.rows(), front.columns, x.data(), width, instructions);
+          return x;
+        };
+        const MatrixXd expected = solved(panel);
+        EXPECT_LE((solved(rounded) - expected).norm(), 1e-13 * expected.norm()) << front.name() << ' ' << width;
+      }
+    }
+  });
+}
+
 TEST_F(DenseCholesky, SubstitutesWidelyRowByRow) {
   for_all_instructions([](platform::VectorInstructions instructions) {
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, wide_columns, Eigen::RowMajor>;

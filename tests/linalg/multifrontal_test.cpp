@@ -40,6 +40,35 @@ TEST(MultifrontalFactor, SolvesTheSameForColumnsAloneAndTogether) {
   }
 }
 
+// A preconditioner must be symmetric, and positive definite.
+TEST(MultifrontalFactor, StaysSymmetricWhenRounded) {
+  for (const NamedMatrix& family : matrix_families()) {
+    const Eigen::Index n = family.lower.rows();
+    MultifrontalFactor factor(symbolic_factorisation(family.lower, one_leaf(n), {}));
+    factor.factorise(factor.permuted(family.lower, {}), {});
+    const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(n, 3), exact = factor.solve(rhs, {});
+    factor.round();
+    const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n), {});
+    EXPECT_LE((inverse - inverse.transpose()).norm(), 1e-12 * inverse.norm()) << family.name;
+    EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(inverse).info(), Eigen::Success) << family.name;
+    EXPECT_LE((inverse * rhs - exact).norm(), 1e-3 * exact.norm()) << family.name;
+    factor.factorise(factor.permuted(family.lower, {}), {});
+    EXPECT_TRUE(same_bytes(factor.solve(rhs, {}), exact)) << family.name;
+  }
+}
+
+TEST(MultifrontalFactor, IsNotRoundedBeyondTheRangeOfSinglePrecision) {
+  for (const NamedMatrix& family : matrix_families())
+    for (const double unit : {0x1p-300, 0x1p300}) {
+      MultifrontalFactor factor(symbolic_factorisation(family.lower, one_leaf(family.lower.rows()), {}));
+      factor.factorise(factor.permuted(unit * family.lower, {}), {});
+      const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(family.lower.rows(), 3),
+                            exact = factor.solve(rhs, {});
+      factor.round();
+      EXPECT_TRUE(same_bytes(factor.solve(rhs, {}), exact)) << family.name;
+    }
+}
+
 TEST(MultifrontalFactor, HasTheSameBytesForAnyNumberOfThreads) {
   for (const Index reach : {1, 2}) {
     const NormalMatrix lower = lattice_matrix(30, 40, reach);

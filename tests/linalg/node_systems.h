@@ -14,6 +14,9 @@
 
 namespace meshgraft {
 
+/// The relative error of matrices in single precision.
+inline constexpr double single_precision = 2e-6;
+
 /// A system of equations as the iterative solver gets it.
 struct NodeSystem {
   std::string name;

@@ -76,6 +76,26 @@ TEST(SparseProducts, DifferAsTheirDifferenceDoes) {
   }
 }
 
+/// Returns three multiples of a matrix, of which the last is zero with the same entries.
+AlikeRows multiples(const SparseRows& matrix) { return {matrix, -3 * matrix, 0 * matrix}; }
+
+TEST(SparseProducts, OfThreeMatricesAlikeAreThoseOfEach) {
+  for (const SparsePair& family : sparse_families()) {
+    const SparseRows a = transpose(family.b), b = transpose(family.a), d = 2.0 * transpose(family.b);
+    const AlikeRows c = multiples(family.a), e = multiples(multiply(b, family.a));
+    const AlikeTerms terms{.a = a, .b = b, .c = c, .d = d, .e = e};
+    const AlikeRows products = alike_products(terms, with_threads(1)),
+                    other = alike_products(terms, with_threads(3));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const SparseRows expected = multiply(multiply(a, b), c[k]) - multiply(d, e[k]);
+      EXPECT_LE(frobenius_norm(products[k] - expected), 1e-12 * frobenius_norm(multiply(d, e[0])))
+          << family.name;
+      EXPECT_EQ(products[k].nonZeros(), products[0].nonZeros()) << family.name;
+      EXPECT_TRUE(same_bytes(products[k], other[k])) << family.name;
+    }
+  }
+}
+
 TEST(NormalEquations, AreTheLowerTriangleOfASymmetricMatrix) {
   for (const SparsePair& family : sparse_families()) {
     // A and G are both of the pair: G has as many columns as A, K has as many rows as G.

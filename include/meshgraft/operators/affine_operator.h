@@ -191,7 +191,7 @@ class AffineOperator {
   void build_laplacian_rows(const Points& points, const Triangles& triangles, const OperatorOptions& options,
                             const Flags& rows, const Context& context);
   void build_smoothness_rows(const Points& normals, const OperatorOptions& options, const Context& context);
-  void build_integral_rows(const Points& places, const ConstraintMask& mask, const Context& context);
+  void build_integral_rows(const Points& places, const ConstraintMask& mask);
   void list_pairs_by_vertex();
   template <int columns>
   void couple_vertices(const LinearSolver::Rows& m, LinearSolver::Rows& product, const Context& context) const;

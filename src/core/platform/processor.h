@@ -11,4 +11,7 @@ enum class VectorInstructions {
 /// Returns the widest vector instructions that the processor and the system support.
 VectorInstructions vector_instructions();
 
+/// Returns whether the processor tells that it is a virtual machine's.
+bool is_virtual_machine();
+
 }  // namespace meshgraft::platform

@@ -151,14 +151,15 @@ void ReducedField::spread_samples(SolverBackend backend, const Context& context)
   }
   const FieldSurface surface = field_surface(*system_);
   const SurfaceFields around_centres(surface, known, rotations_->fields().bending(),
-                                     {.bending_length_rel = {}, .backend = backend}, context);
+                                     {.bending_length_rel = {}, .backend = backend, .corrects = false},
+                                     context);
   const Columns spread = around_centres.spread(std::move(values), context);
   context.throw_if_stopped();
   given_weights_.resize(spread.rows(), given_.cols());
   for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
     given_weights_.middleRows(first, count) = spread.block(first, centre_count, count, given_.cols());
   });
-  cell_influence_ = cell_means(blend_weights_, 1, context);
+  cell_influence_ = multiply(cell_mean_rows(1), blend_weights_, context);
   sample_influence_ = blend_weights_(samples_, Eigen::all);
   sample_given_ = given_weights_(samples_, Eigen::all);
   join_winding(spread.leftCols(centre_count), context);
@@ -264,8 +265,8 @@ void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
   }
   // Another system's bending matrix would be wrong where a shared patch is larger.
   const auto bending = std::make_shared<const BendingMatrix>(surface, context);
-  const SurfaceFields beyond_centres(surface, at_centres, bending,
-                                     {.bending_length_rel = {}, .backend = backend}, context);
+  const SurfaceFields beyond_centres(
+      surface, at_centres, bending, {.bending_length_rel = {}, .backend = backend, .corrects = false}, context);
   const Columns spread = beyond_centres.spread(std::move(values), context), winding = winding_weights();
   twist_weights_.resize(spread.rows(), spread.cols() + winding.cols());
   for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
@@ -308,10 +309,6 @@ SparseRows ReducedField::cell_mean_rows(int rows_per_vertex) const {
   return rows;
 }
 
-Columns ReducedField::cell_means(const Columns& values, int rows_per_vertex, const Context& context) const {
-  return multiply(cell_mean_rows(rows_per_vertex), values, context);
-}
-
 ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
   const std::size_t handle = number % handle_count_;
   Columnwise sides;
@@ -333,12 +330,11 @@ ReducedField::Columnwise ReducedField::handle_sides(std::size_t number) const {
   return sides;
 }
 
-void ReducedField::set_maps(std::size_t first, std::size_t stride, const Columns& means) {
+void ReducedField::set_maps(std::span<const std::size_t> rows, const Columns& means) {
   for (std::size_t s = 0; s < samples_.size(); ++s)
-    for (Eigen::Index c = 0; c < means.cols(); ++c)
-      maps_.topRows<3>().col(
-          static_cast<Eigen::Index>(s * width() + first + stride * static_cast<std::size_t>(c))) =
-          means.col(c).segment<3>(static_cast<Eigen::Index>(3 * s));
+    for (std::size_t c = 0; c < rows.size(); ++c)
+      maps_.topRows<3>().col(static_cast<Eigen::Index>(s * width() + rows[c])) =
+          means.col(static_cast<Eigen::Index>(c)).segment<3>(static_cast<Eigen::Index>(3 * s));
 }
 
 void ReducedField::finish() {

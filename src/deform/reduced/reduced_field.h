@@ -49,14 +49,12 @@ class ReducedField {
   const LimbTwist& limbs() const { return rotations_->limbs(); }  ///< must not be called after `finish`
   const Columns& weights() const { return weights_; }             ///< Returns the functions, patch × functions.
   const Columns& twist_weights() const { return twist_weights_; }  ///< Returns those of the strain of twists.
-  /// Returns means over cells of values with `rows_per_vertex` rows per vertex. `cell_mean_rows` returns the
-  /// matrix that computes them.
-  Columns cell_means(const Columns& values, int rows_per_vertex, const Context& context = {}) const;
+  /// Returns the matrix that computes means over cells of values with `rows_per_vertex` rows per vertex.
   SparseRows cell_mean_rows(int rows_per_vertex) const;
-  /// Sets the means of the local maps that rows first, first + stride, … cause.
-  void set_maps(std::size_t first, std::size_t stride, const Columns& means);
+  /// Sets the means of the local maps that some of the `width()` rows cause, one per column.
+  void set_maps(std::span<const std::size_t> rows, const Columns& means);
   /// Sets the local maps with all handles at rest, needed if anchors have targets.
-  void set_base_maps(const Columns& maps) { base_maps_ = cell_means(maps, 3); }
+  void set_base_maps(const Columns& maps) { base_maps_ = multiply(cell_mean_rows(3), maps); }
   /// Releases all that only the set-up needs.
   void finish();
   /// Returns the size of the matrices that frames need.

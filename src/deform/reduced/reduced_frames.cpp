@@ -1,6 +1,9 @@
 #include <meshgraft/deform/quick_frames.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
 
 #include <meshgraft/core/error.h>
 
@@ -25,6 +28,73 @@ Columns free_rows(const ConstrainedSystem& system, const Columns& displacements)
     rows.row(k) = displacements.row(system.patch().local(system.free_vertices()[k]));
   return rows;
 }
+
+/// Turns the right-hand sides of a number per vertex in each column of the maps into those of a number in each
+/// column of the strain of twists: b (R W m)ᵀ = Σ_k m_k b (row k of (R W)ᵀ).
+void to_twists(const LimbTwist& limbs, AlikeRows& sides, const Context& context) {
+  parallel_blocks(
+      static_cast<std::size_t>(sides[0].nonZeros()),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e) {
+          const LimbPoint at = limbs.at(sides[0].innerIndexPtr()[e]);
+          double along = 0;
+          for (int axis = 0; axis < 3; ++axis) along += at.direction[axis] * sides[axis].valuePtr()[e];
+          for (int m = 0; m < 3; ++m) sides[m].valuePtr()[e] = at.moment[m] * along;
+        }
+      },
+      context, 4096);
+}
+
+/// Solves for the responses to functions, as many at a time as one substitution takes together.
+class FunctionResponses {
+ public:
+  /// `cell_means` is that of maps.
+  FunctionResponses(const ConstrainedSystem& system, const SparseRows& cell_means, ReducedField& field,
+                    ResponseColumns& responses, const Context& context)
+      : system_(system),
+        field_(field),
+        responses_(responses),
+        displacements_(system.displacement_rows()),
+        maps_(multiply(cell_means, system.map_rows(), context)),
+        y_(displacements_.cols(), at_once) {}
+
+  /// Takes the right-hand sides that `sides` makes of each function. The responses are first, first + 3, ….
+  void add(const SparseRows& sides, const Columns& functions, std::size_t first, const Context& context) {
+    for (Eigen::Index next = 0; next < functions.cols();) {
+      const auto pending = static_cast<Eigen::Index>(rows_.size());
+      const Eigen::Index count = std::min(at_once - pending, functions.cols() - next);
+      multiply_columns(sides, functions, next, count, y_, pending, context);
+      for (const Eigen::Index end = next + count; next < end; ++next)
+        rows_.push_back(first + 3 * static_cast<std::size_t>(next));
+      if (pending + count == at_once) solve(context);
+    }
+  }
+
+  /// Solves for all that was added.
+  void solve(const Context& context) {
+    if (rows_.empty()) return;
+    const std::size_t all = 3 * (field_.function_count() + field_.twist_function_count());
+    context.step("reduce", static_cast<double>(solved_) / static_cast<double>(all));
+    y_.rightCols(at_once - static_cast<Eigen::Index>(rows_.size())).setZero();
+    system_.back_substitute(y_, context);
+    multiply(displacements_, y_, moves_, context);
+    responses_.set(rows_, moves_, context);
+    field_.set_maps(rows_, multiply(maps_, y_, context));
+    solved_ += rows_.size();
+    rows_.clear();
+  }
+
+ private:
+  static constexpr Eigen::Index at_once = 32;
+
+  const ConstrainedSystem& system_;
+  ReducedField& field_;
+  ResponseColumns& responses_;
+  const SparseRows displacements_, maps_;
+  Columns y_, moves_;              ///< shared by all solves, because the first use of fresh pages takes time
+  std::vector<std::size_t> rows_;  ///< the responses to the columns of y
+  std::size_t solved_ = 0;
+};
 
 }  // namespace
 
@@ -75,66 +145,28 @@ ReducedFrames::ReducedFrames(ReducedFrames&&) noexcept = default;
 ReducedFrames& ReducedFrames::operator=(ReducedFrames&&) noexcept = default;
 ReducedFrames::~ReducedFrames() = default;
 
-/// Solves for the vertices' responses to handles and centres. A few columns are solved at a time, which
-/// bounds the memory of the right-hand sides.
+/// Solves for the vertices' responses to handles and functions.
 void ReducedFrames::Impl::solve_responses(const ConstrainedSystem& system, const Context& context) {
   responses = ResponseColumns(system.free_vertices(), field->width(), context);
-  context.throw_if_stopped();
-  const SparseRows coupling = system.coupling(context);
+  const SparseRows cell_means = field->cell_mean_rows(3);
   for (std::size_t handle = 0; handle < 2 * handles.size(); ++handle) {  // blended by logarithms, then linearly
     const ReducedField::Columnwise sides = field->handle_sides(handle);
-    const Columns y = system.respond(sides.values, sides.field, coupling, context);
-    responses.set(4 * handle, 1, free_rows(system, system.displacements(y, sides.values, context)), context);
-    field->set_maps(4 * handle, 1, field->cell_means(system.maps(y, sides.values, context), 3, context));
+    const Columns y = system.respond(sides.values, sides.field, 0, context);
+    const std::array<std::size_t, 4> rows{4 * handle, 4 * handle + 1, 4 * handle + 2, 4 * handle + 3};
+    responses.set(rows, free_rows(system, system.displacements(y, sides.values, context)), context);
+    field->set_maps(rows, multiply(cell_means, system.maps(y, sides.values, context), context));
   }
-  const SparseRows displacements = system.displacement_rows();
-  const SparseRows maps = multiply(field->cell_mean_rows(3), system.map_rows(), context);
-  const auto functions = static_cast<Eigen::Index>(field->function_count());
-  const double all = 3 * static_cast<double>(field->function_count() + field->twist_function_count());
-  constexpr Eigen::Index at_once = 32;
-  Columns y, moves;  // All solves share their memory, because the first use of fresh pages takes time.
-  // Solves for one column per function. `set_sides(begin, count, y)` writes the right-hand sides of some
-  // functions. The responses are first, first + 3, ….
-  const auto solve_functions = [&](Eigen::Index function_count, Eigen::Index first, const auto& set_sides) {
-    for (Eigen::Index begin = 0; begin < function_count; begin += at_once) {
-      context.step("reduce", static_cast<double>(first / 3 * 3 + first % 3 * function_count + begin) / all);
-      const Eigen::Index count = std::min(at_once, function_count - begin);
-      set_sides(begin, count, y);
-      system.back_substitute(y, context);
-      const auto column = 8 * handles.size() + static_cast<std::size_t>(first + 3 * begin);
-      multiply(displacements, y, moves, context);
-      responses.set(column, 3, moves, context);
-      field->set_maps(column, 3, multiply(maps, y, context));
-    }
-  };
-  SparseRows sides[3];  // caused by a number per vertex, for each column of the maps
-  for (int axis = 0; axis < 3; ++axis) {
-    take_over(sides[axis], system.field_rows(axis, coupling, context));
-    solve_functions(functions, axis, [&](Eigen::Index begin, Eigen::Index count, Columns& of_functions) {
-      multiply(sides[axis], field->weights(), begin, count, of_functions, context);
-    });
+  FunctionResponses of_functions(system, cell_means, *field, responses, context);
+  AlikeRows sides = system.field_rows(context);
+  const std::size_t first = 8 * handles.size();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    of_functions.add(sides[axis], field->weights(), first + axis, context);
+  if (field->has_limbs()) {
+    to_twists(field->limbs(), sides, context);
+    for (std::size_t m = 0; m < 3; ++m)
+      of_functions.add(sides[m], field->twist_weights(), first + 3 * field->function_count() + m, context);
   }
-  if (!field->has_limbs()) return;
-  // The strain of twists is b (R W m)ᵀ = Σ_k m_k b (row k of (R W)ᵀ).
-  const LimbTwist& limbs = field->limbs();
-  const Columns& weights = field->twist_weights();
-  Columns strained;
-  for (int m = 0; m < 3; ++m)
-    solve_functions(
-        weights.cols(), 3 * functions + m, [&](Eigen::Index begin, Eigen::Index count, Columns& sum) {
-          sum.setZero(sides[0].rows(), count);
-          strained.resize(weights.rows(), count);
-          for (int axis = 0; axis < 3; ++axis) {
-            const auto strain = [&](std::size_t from, std::size_t to) {
-              for (auto v = static_cast<Eigen::Index>(from); v < static_cast<Eigen::Index>(to); ++v) {
-                const LimbPoint at = limbs.at(v);
-                strained.row(v) = at.moment[m] * at.direction[axis] * weights.row(v).segment(begin, count);
-              }
-            };
-            parallel_blocks(static_cast<std::size_t>(weights.rows()), strain, context, 4096);
-            add_product(sides[axis], strained, sum, context);
-          }
-        });
+  of_functions.solve(context);
 }
 
 /// Adds the displacements that anchors with targets cause while all handles rest.

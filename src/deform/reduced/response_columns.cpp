@@ -8,23 +8,19 @@
 namespace meshgraft {
 
 ResponseColumns::ResponseColumns(std::vector<Index> vertices, std::size_t columns, const Context& context)
-    : vertices_(std::move(vertices)), columns_(columns) {
-  constexpr std::size_t piece = std::size_t{1} << 24;
-  const std::size_t count = block_count() * columns * lanes;
-  values_.reserve(count);
-  while (values_.size() < count) {
-    context.throw_if_stopped();
-    values_.resize(std::min(count, values_.size() + piece), 0.0F);
-  }
+    : vertices_(std::move(vertices)), columns_(columns), values_(new float[value_count()]) {
+  const auto clear = [&](std::size_t begin, std::size_t end) {
+    std::fill_n(values_.get() + begin * columns_ * lanes, (end - begin) * columns_ * lanes, 0.0F);
+  };
+  parallel_blocks(block_count(), clear, context, 256);
 }
 
-void ResponseColumns::set(std::size_t first, std::size_t stride, const Columns& values,
-                          const Context& context) {
+void ResponseColumns::set(std::span<const std::size_t> columns, const Columns& values, const Context& context) {
   const auto set_rows = [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
-      for (Eigen::Index c = 0; c < values.cols(); ++c)
-        values_[(k / lanes * columns_ + first + stride * static_cast<std::size_t>(c)) * lanes + k % lanes] =
-            static_cast<float>(values(static_cast<Eigen::Index>(k), c));
+      for (std::size_t c = 0; c < columns.size(); ++c)
+        values_[(k / lanes * columns_ + columns[c]) * lanes + k % lanes] =
+            static_cast<float>(values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(c)));
   };
   parallel_blocks(vertices_.size(), set_rows, context, 1024);
 }
@@ -54,7 +50,7 @@ void ResponseColumns::place_block(std::size_t block, const std::vector<float>& c
   using Sums = Eigen::Array<double, lanes, 1>;
   constexpr std::size_t short_sum = 32;  // terms summed in single precision before rounding matters
   Sums total[3] = {Sums::Zero(), Sums::Zero(), Sums::Zero()};
-  const float* value = values_.data() + block * columns_ * lanes;
+  const float* value = values_.get() + block * columns_ * lanes;
   const float* coefficient = coefficients.data();
   for (std::size_t first = 0; first < columns_; first += short_sum) {
     Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
@@ -78,7 +74,7 @@ void ResponseColumns::place_block(std::size_t block, const std::vector<float>& c
 }
 
 std::int64_t ResponseColumns::memory_bytes() const {
-  return static_cast<std::int64_t>(values_.size() * sizeof(float) + vertices_.size() * sizeof(Index));
+  return static_cast<std::int64_t>(value_count() * sizeof(float) + vertices_.size() * sizeof(Index));
 }
 
 }  // namespace meshgraft

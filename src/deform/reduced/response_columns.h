@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include <meshgraft/core/context.h>
@@ -20,8 +22,8 @@ class ResponseColumns {
   /// `vertices` are those with rows, ascending.
   ResponseColumns(std::vector<Index> vertices, std::size_t columns, const Context& context = {});
 
-  /// Fills columns first, first + stride, …, one per column of `values`, which has a row per vertex.
-  void set(std::size_t first, std::size_t stride, const Columns& values, const Context& context);
+  /// Sets some columns to those of `values`, which has a row per vertex.
+  void set(std::span<const std::size_t> columns, const Columns& values, const Context& context);
 
   /// Sets positions.row(v) = base.row(v) + scale · (row of v) · coefficients (columns×3) for vertices with
   /// rows. Copies base.row(v) for all others.
@@ -34,12 +36,13 @@ class ResponseColumns {
  private:
   static constexpr std::size_t lanes = 8;
   std::size_t block_count() const { return (vertices_.size() + lanes - 1) / lanes; }
+  std::size_t value_count() const { return block_count() * columns_ * lanes; }
   void place_block(std::size_t block, const std::vector<float>& coefficients, double scale,
                    PointsRef positions) const;
 
   std::vector<Index> vertices_;
   std::size_t columns_ = 0;
-  std::vector<float> values_;  ///< [block][column][vertex of the block]
+  std::unique_ptr<float[]> values_;  ///< [block][column][vertex of the block]
 };
 
 }  // namespace meshgraft

@@ -202,40 +202,35 @@ Columns ConstrainedSystem::respond(const Known& values, const MapField& field, i
   return solve(right_hand_side(values, field, context), {.corrections = corrections}, context);
 }
 
-Columns ConstrainedSystem::respond(const Known& values, const MapField& field, const SparseRows& coupling,
-                                   const Context& context) const {
-  const Columns m = known_maps(values, context);
-  Columns rhs = multiply(A_L_transposed_, laplacian_rows(values, m, field, context), context);
-  rhs += multiply(G_transposed_, multiply(coupling, wanted_maps(m, field, context), context), context);
-  back_substitute(rhs, context);
-  return rhs;
-}
-
 SparseRows ConstrainedSystem::coupling(const Context& context) const {
   return operators_->rows().coupling(context);
 }
 
-SparseRows ConstrainedSystem::field_rows(int axis, const SparseRows& coupling, const Context& context) const {
-  const SparseRows smoothness = multiply(coupling, fitted_field().along(axis, context), context);
-  if (edge_rows_.empty()) return multiply(G_transposed_, smoothness, context);
-  const SparseRows edge_rows_transposed = transpose(multiply(stiffness_rows_, E_, context), context);
-  return difference_of_products({G_transposed_, smoothness}, {edge_rows_transposed, minus_stretch(axis)},
-                                context);
+AlikeRows ConstrainedSystem::field_rows(const Context& context) const {
+  SparseRows edge_rows_transposed(G_transposed_.rows(), 0);
+  if (!edge_rows_.empty())
+    take_over(edge_rows_transposed, transpose(multiply(stiffness_rows_, E_, context), context));
+  const AlikeRows fitted = fitted_field().along_axes(context), stretch = minus_stretch();
+  return alike_products({G_transposed_, coupling(context), fitted, edge_rows_transposed, stretch}, context);
 }
 
 /// Returns minus the targets of the stiffness rows in terms of a number φ per vertex, where F − I = φ e_axis
-/// eᵀ.
-SparseRows ConstrainedSystem::minus_stretch(int axis) const {
+/// eᵀ, for each axis.
+AlikeRows ConstrainedSystem::minus_stretch() const {
   const Points& points = operators_->rows().nodes().positions;
-  SparseRows rows = rows_of_lengths(std::vector<int>(edge_rows_.size(), 2), patch().size());
-  for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
-    const auto [i, j] = edge_rows_[b].ends;
-    const double half = edge_rows_[b].weight * (points(j, axis) - points(i, axis)) / 2;
-    rows.innerIndexPtr()[2 * b] = std::min(i, j);
-    rows.innerIndexPtr()[2 * b + 1] = std::max(i, j);
-    rows.valuePtr()[2 * b] = rows.valuePtr()[2 * b + 1] = half;
+  AlikeRows axes;
+  for (int axis = 0; axis < 3; ++axis) {
+    SparseRows& rows = axes[axis];
+    take_over(rows, rows_of_lengths(std::vector<int>(edge_rows_.size(), 2), patch().size()));
+    for (std::size_t b = 0; b < edge_rows_.size(); ++b) {
+      const auto [i, j] = edge_rows_[b].ends;
+      const double half = edge_rows_[b].weight * (points(j, axis) - points(i, axis)) / 2;
+      rows.innerIndexPtr()[2 * b] = std::min(i, j);
+      rows.innerIndexPtr()[2 * b + 1] = std::max(i, j);
+      rows.valuePtr()[2 * b] = rows.valuePtr()[2 * b + 1] = half;
+    }
   }
-  return rows;
+  return axes;
 }
 
 void ConstrainedSystem::back_substitute(Columns& sides, const Context& context) const {

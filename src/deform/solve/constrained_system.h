@@ -90,16 +90,12 @@ class ConstrainedSystem {
   /// Solves for the unknowns that values and field cause, as if no anchor had a target. There may be any
   /// number of columns. `is_linear` must hold.
   Columns respond(const Known& values, const MapField& field, int corrections, const Context& context) const;
-  /// Solves the same by one back-substitution, without corrections. `coupling` is PᵀP, which serves a caller
-  /// that has many fields.
-  Columns respond(const Known& values, const MapField& field, const SparseRows& coupling,
-                  const Context& context) const;
   SparseRows coupling(const Context& context) const;  ///< Returns PᵀP.
 
   // For many fields at once. Let φ be a number per vertex of the patch, F − I = φ e_axis eᵀ the field, and
-  // all known values zero. Then field_rows(axis) φ is the right-hand side, which back-substitution replaces by
+  // all known values zero. Then field_rows[axis] φ is the right-hand side, which back-substitution replaces by
   // y. Sparse rows turn y into displacements of the free vertices and local maps.
-  SparseRows field_rows(int axis, const SparseRows& coupling, const Context& context) const;
+  AlikeRows field_rows(const Context& context) const;
   void back_substitute(Columns& sides, const Context& context) const;
   SparseRows displacement_rows() const;
   const SparseRows& map_rows() const { return G_; }
@@ -196,7 +192,7 @@ class ConstrainedSystem {
   FittedField fitted_field() const { return {operators_->rows(), H(), mask_}; }
   Columns wanted_maps(const Columns& known, const MapField& field, const Context& context) const;
   void add_stretch(const Columns& maps, Eigen::Ref<Columns> edge_rows, const Context& context) const;
-  SparseRows minus_stretch(int axis) const;
+  AlikeRows minus_stretch() const;
   void add_targets(Rows& rows) const;
   Columns apply_transposed(const Rows& rows, const Context& context) const;
   Rows residual_rows(const Rows& rhs, const Columns& y, const Context& context) const;

@@ -52,7 +52,7 @@ void FittedField::operator()(const Columns& field, Columns& fitted, const Contex
       context, 1024);
 }
 
-SparseRows FittedField::along(int axis, const Context& context) const {
+AlikeRows FittedField::along_axes(const Context& context) const {
   const Index n = mask_.size();
   const auto for_vertices = [&](const auto& body) {
     parallel_blocks(
@@ -69,22 +69,24 @@ SparseRows FittedField::along(int axis, const Context& context) const {
     visit_stencil(v, [&](Index, const Eigen::Vector3d&, const Eigen::RowVector3d&) { ++others; });
     std::fill_n(lengths.begin() + 3 * v, 3, 1 + others);
   });
-  SparseRows rows = rows_of_lengths(lengths, n);
+  AlikeRows axes;
+  for (SparseRows& rows : axes) take_over(rows, rows_of_lengths(lengths, n));
   for_vertices([&](Index v) {
     const int length = lengths[3 * v];
-    int at = rows.outerIndexPtr()[3 * v];
-    const auto set = [&](Index column, const Eigen::Vector3d& weights) {
-      for (int k = 0; k < 3; ++k) {
-        rows.innerIndexPtr()[at + k * length] = column;
-        rows.valuePtr()[at + k * length] = weights[k];
-      }
+    int at = axes[0].outerIndexPtr()[3 * v];
+    const auto set = [&](Index column, const Eigen::Matrix3d& weights) {
+      for (int axis = 0; axis < 3; ++axis)
+        for (int k = 0; k < 3; ++k) {
+          axes[axis].innerIndexPtr()[at + k * length] = column;
+          axes[axis].valuePtr()[at + k * length] = weights(k, axis);
+        }
       ++at;
     };
-    Eigen::Vector3d own = Eigen::Vector3d::Unit(axis);
+    Eigen::Matrix3d own = Eigen::Matrix3d::Identity();
     if (length == 1) return set(v, own);
     const Eigen::Matrix3d half = half_tangential(v);
     const auto weights = [&](const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
-      return Eigen::Vector3d(offset[axis] * (half * h));
+      return Eigen::Matrix3d(half * h * offset);
     };
     visit_stencil(v, [&](Index, const Eigen::Vector3d& h, const Eigen::RowVector3d& offset) {
       own -= weights(h, offset);
@@ -96,7 +98,7 @@ SparseRows FittedField::along(int axis, const Context& context) const {
     });
     if (!is_own_set) set(v, own);
   });
-  return rows;
+  return axes;
 }
 
 }  // namespace meshgraft

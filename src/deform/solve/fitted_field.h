@@ -4,6 +4,7 @@
 #include <meshgraft/operators/affine_operator.h>
 
 #include "linalg/sparse.h"
+#include "linalg/sparse_products.h"
 
 namespace meshgraft {
 
@@ -26,8 +27,9 @@ class FittedField {
   Columns operator()(const Columns& field, const Context& context) const;
   /// Writes the same to the memory of `fitted`.
   void operator()(const Columns& field, Columns& fitted, const Context& context) const;
-  /// Returns the rows (3n×n) of F̃ − I in terms of a number φ per vertex, where F − I = φ e_axis eᵀ.
-  SparseRows along(int axis, const Context& context) const;
+  /// Returns the rows (3n×n) of F̃ − I in terms of a number φ per vertex, where F − I = φ e_axis eᵀ, for each
+  /// axis.
+  AlikeRows along_axes(const Context& context) const;
 
  private:
   /// Calls `add(node, h, d)` for each vertex of the stencil: its column in the rows of H, and its offset.

@@ -82,7 +82,9 @@ BendingMatrix::BendingMatrix(const FieldSurface& surface, const Context& context
 SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::uint8_t> given,
                              std::shared_ptr<const BendingMatrix> bending_matrix,
                              const SurfaceFieldOptions& options, const Context& context)
-    : bending_(std::move(bending_matrix)), areas_(vertex_areas(surface.points, surface.triangles)) {
+    : bending_(std::move(bending_matrix)),
+      areas_(vertex_areas(surface.points, surface.triangles)),
+      passes_(options.corrects ? 2 : 1) {
   const auto& [points, triangles, rings, edges, bisection] = surface;
   context.throw_if_stopped();
   find_components(rings, given);
@@ -107,12 +109,12 @@ SurfaceFields::SurfaceFields(const FieldSurface& surface, std::span<const std::u
   // Components do not share a row, so scaling rows by component keeps the matrix symmetric.
   context.throw_if_stopped();
   SparseRows smoothing = energy_rows(*used, free_, smoothing_bending_length_rel, context);
-  SparseChecks check(context);
-  for (std::size_t k = 0; k < free_.size(); ++k, check())
-    for (SparseRows::InnerIterator it(smoothing, static_cast<Eigen::Index>(k)); it; ++it) {
-      it.valueRef() *= weights[component_[free_[k]]];
-      if (it.col() == free_[k]) it.valueRef() += areas_[free_[k]];
+  for_vertices(free_, context, [&](Index v, Eigen::Index k) {
+    for (SparseRows::InnerIterator it(smoothing, k); it; ++it) {
+      it.valueRef() *= weights[component_[v]];
+      if (it.col() == v) it.valueRef() += areas_[v];
     }
+  });
   context.throw_if_stopped();
   if (spread_solver_ && spread_to_ == free_) smooth_solver_ = copy_analysis(*spread_solver_);
   if (smooth_solver_)
@@ -176,16 +178,15 @@ SparseRows SurfaceFields::energy_rows(const BendingMatrix& bending, const std::v
   if (!bending_length_rel) return rows;
   std::vector<double> squares = free_areas();
   for (double& square : squares) square *= *bending_length_rel * *bending_length_rel;
-  SparseChecks check(context);
-  for (std::size_t k = 0; k < vertices.size(); ++k, check()) {
-    SparseRows::InnerIterator tension(bending.tension, vertices[k]);
-    for (SparseRows::InnerIterator it(rows, static_cast<Eigen::Index>(k)); it; ++it) {
-      it.valueRef() *= squares[component_[vertices[k]]];
+  for_vertices(vertices, context, [&](Index v, Eigen::Index k) {
+    SparseRows::InnerIterator tension(bending.tension, v);
+    for (SparseRows::InnerIterator it(rows, k); it; ++it) {
+      it.valueRef() *= squares[component_[v]];
       if (!tension || tension.col() != it.col()) continue;
       it.valueRef() += tension.value();
       ++tension;
     }
-  }
+  });
   return rows;
 }
 
@@ -230,9 +231,9 @@ Columns SurfaceFields::spread(Columns values, const Context& context) const {
       for (Eigen::Index c = 0; c < width; ++c)
         differences(v, c) = values(v, columns[c]) - origins(component_[v], columns[c]);
     });
-    for (int pass = 0; pass < 2; ++pass) {  // the second pass corrects with the residual of the first
+    for (int pass = 0; pass < passes_; ++pass) {  // the second pass corrects with the residual of the first
       multiply(spread_rows_, differences, sides, context);
-      spread_solver_->solve_in_place(sides, {.tolerance = std::sqrt(solver_tolerance)}, context);
+      spread_solver_->solve_in_place(sides, {.tolerance = std::pow(solver_tolerance, 1.0 / passes_)}, context);
       for_vertices(spread_to_, context, [&](Index v, Eigen::Index k) { differences.row(v) -= sides.row(k); });
     }
     for_vertices(spread_to_, context, [&](Index v, Eigen::Index) {

@@ -47,6 +47,8 @@ struct SurfaceFieldOptions {
   /// must not be called.
   std::optional<double> smoothing_length_rel{};
   SolverBackend backend = SolverBackend::automatic;
+  /// Whether spread values are corrected by their residual.
+  bool corrects = true;
 };
 
 /// Scalar fields on a surface, given at some vertices. They are extended from there as smoothly as possible,
@@ -100,6 +102,7 @@ class SurfaceFields {
   Flags constrained_;
   std::vector<Index> given_, free_;  ///< vertices with faces, with and without a given value
   std::vector<Index> spread_to_;     ///< vertices of `free_` in components with given values
+  int passes_ = 2;                   ///< solves of `spread`
   SparseRows spread_rows_;           ///< k×n, the rows of the system that `spread` solves
   std::unique_ptr<LinearSolver> spread_solver_, smooth_solver_;
 };

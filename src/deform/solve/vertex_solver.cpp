@@ -1,33 +1,43 @@
 #include "vertex_solver.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <numeric>
 
-#include "core/sparse_checks.h"
+#include "core/parallel.h"
+#include "linalg/sparse.h"
 
 namespace meshgraft {
 
 namespace {
 
-/// Returns the lower triangle of the square part of `rows` that belongs to the vertices `unknown`.
+constexpr std::size_t vertices_at_once = 4096;
+
+/// Returns the lower triangle of the square part of `rows` that belongs to the vertices `unknown`. The part is
+/// symmetric, so that the lower triangle by columns is the upper one by rows.
 NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unknown, const Context& context) {
-  std::vector<Index> column_of(rows.cols(), -1);
-  for (std::size_t k = 0; k < unknown.size(); ++k) column_of[unknown[k]] = static_cast<Index>(k);
-  const auto for_each_entry = [&](const auto& body) {
-    SparseChecks check(context);
-    for (Eigen::Index k = 0; k < rows.rows(); ++k, check())
-      for (SparseRows::InnerIterator it(rows, k); it; ++it)
-        if (const Index column = column_of[it.col()]; column >= 0 && column <= k) body(k, column, it.value());
+  std::vector<Index> rank(rows.cols(), -1);
+  for (std::size_t k = 0; k < unknown.size(); ++k) rank[unknown[k]] = static_cast<Index>(k);
+  const auto for_rows = [&](const auto& body) {
+    const auto block = [&](std::size_t begin, std::size_t end) {
+      for (auto k = static_cast<Eigen::Index>(begin); k < static_cast<Eigen::Index>(end); ++k) body(k);
+    };
+    parallel_blocks(unknown.size(), block, context, vertices_at_once);
   };
   NormalMatrix lower(rows.rows(), rows.rows());
   std::int64_t* const begin = lower.outerIndexPtr();
-  for_each_entry([&](Eigen::Index, Index column, double) { ++begin[column + 1]; });
-  for (Eigen::Index column = 0; column < lower.cols(); ++column) begin[column + 1] += begin[column];
+  for_rows([&](Eigen::Index k) {
+    for (SparseRows::InnerIterator it(rows, k); it; ++it) begin[k + 1] += rank[it.col()] >= k ? 1 : 0;
+  });
+  std::partial_sum(begin, begin + lower.cols() + 1, begin);
   lower.resizeNonZeros(begin[lower.cols()]);
-  std::vector<std::int64_t> next(begin, begin + lower.cols());
-  for_each_entry([&](Eigen::Index row, Index column, double value) {
-    const std::int64_t entry = next[column]++;
-    lower.innerIndexPtr()[entry] = row;
-    lower.valuePtr()[entry] = value;
+  for_rows([&](Eigen::Index k) {
+    std::int64_t entry = begin[k];
+    for (SparseRows::InnerIterator it(rows, k); it; ++it) {
+      if (rank[it.col()] < k) continue;
+      lower.innerIndexPtr()[entry] = rank[it.col()];
+      lower.valuePtr()[entry++] = it.value();
+    }
   });
   return lower;
 }
@@ -35,15 +45,20 @@ NormalMatrix square_part(const SparseRows& rows, const std::vector<Index>& unkno
 }  // namespace
 
 SparseRows select_rows(const SparseRows& matrix, const std::vector<Index>& rows, const Context& context) {
-  SparseRows selected(static_cast<Eigen::Index>(rows.size()), matrix.cols());
+  const int* const outer = matrix.outerIndexPtr();
   std::vector<int> lengths;
-  for (const Index row : rows) lengths.push_back(matrix.outerIndexPtr()[row + 1] - matrix.outerIndexPtr()[row]);
-  selected.reserve(lengths);
-  SparseChecks check(context);
-  for (std::size_t k = 0; k < rows.size(); ++k, check())
-    for (SparseRows::InnerIterator it(matrix, rows[k]); it; ++it)
-      selected.insertBackUncompressed(static_cast<Eigen::Index>(k), it.col()) = it.value();
-  selected.makeCompressed();
+  lengths.reserve(rows.size());
+  const int* const counts = matrix.innerNonZeroPtr();  // null if the matrix is compressed
+  for (const Index row : rows) lengths.push_back(counts != nullptr ? counts[row] : outer[row + 1] - outer[row]);
+  SparseRows selected = rows_of_lengths(lengths, matrix.cols());
+  const auto copy = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const int from = outer[rows[k]], to = selected.outerIndexPtr()[k];
+      std::copy_n(matrix.innerIndexPtr() + from, lengths[k], selected.innerIndexPtr() + to);
+      std::copy_n(matrix.valuePtr() + from, lengths[k], selected.valuePtr() + to);
+    }
+  };
+  parallel_blocks(rows.size(), copy, context, vertices_at_once);
   return selected;
 }
 

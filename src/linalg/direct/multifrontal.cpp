@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
 #include <map>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -21,6 +25,12 @@
 namespace meshgraft {
 
 namespace {
+
+double* allocate_doubles(std::int64_t count) {
+  void* const memory = std::malloc(static_cast<std::size_t>(count) * sizeof(double));
+  if (memory == nullptr && count > 0) throw std::bad_alloc();
+  return static_cast<double*>(memory);
+}
 
 /// Returns the parent of each supernode, or -1 at roots. The parent contains the supernode's first row below
 /// its own.
@@ -194,7 +204,8 @@ void MultifrontalFactor::factorise(LowerEntries entries, const Context& context)
   const SingleThreadedBlas single_threaded(context);
   Elimination elimination{.entries = std::move(entries), .store = {}, .updates = {}};
   elimination.updates.resize(parent_.size());
-  values_.reset(new double[panel_begin_.back()]);
+  rounded_.reset();
+  values_.reset(allocate_doubles(panel_begin_.back()));
   const auto unknowns = static_cast<double>(pattern_.order.size());
   std::atomic<std::int64_t> eliminated = 0;
   tbb::enumerable_thread_specific<std::vector<int>> row_maps(
@@ -210,6 +221,33 @@ void MultifrontalFactor::factorise(LowerEntries entries, const Context& context)
       context);
   peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + elimination.store.peak()) +
                 static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(pattern_.rows.size());
+}
+
+/// Returns whether the factor has no number beyond the range of single precision, and no diagonal below it.
+bool MultifrontalFactor::is_within_singles() const {
+  constexpr double least = 1e-30, most = 1e30;
+  for (int node = 0; node < pattern_.supernodes(); ++node) {
+    const Front f = front(node);
+    for (int c = 0; c < f.columns; ++c)
+      if (!(f.panel[static_cast<std::int64_t>(c) * (f.rows + 1)] > least)) return false;
+  }
+  return std::all_of(values_.get(), values_.get() + panel_begin_.back(),
+                     [](double value) { return std::abs(value) < most; });
+}
+
+// Rounds in place, because the first access to other memory would take longer.
+void MultifrontalFactor::round() {
+  const std::int64_t count = panel_begin_.back();
+  if (count == 0 || !is_within_singles()) return;
+  void* const memory = values_.release();
+  for (std::int64_t k = 0; k < count; ++k) {
+    double value = 0;
+    std::memcpy(&value, static_cast<const double*>(memory) + k, sizeof value);
+    const auto rounded = static_cast<float>(value);
+    std::memcpy(static_cast<float*>(memory) + k, &rounded, sizeof rounded);
+  }
+  void* const shrunk = std::realloc(memory, static_cast<std::size_t>(count) * sizeof(float));
+  rounded_.reset(static_cast<float*>(shrunk != nullptr ? shrunk : memory));
 }
 
 Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Context& context) const {
@@ -230,10 +268,12 @@ struct NarrowLayout {
   std::int64_t at(int rows, int row, int column) const {
     return row + static_cast<std::int64_t>(column) * rows;
   }
-  void solve(const double* panel, int rows, int columns, double* x) const {
+  template <class Number>
+  void solve(const Number* panel, int rows, int columns, double* x) const {
     solve_narrow_panel(panel, rows, columns, x, width);
   }
-  void solve_transposed(const double* panel, int rows, int columns, double* x) const {
+  template <class Number>
+  void solve_transposed(const Number* panel, int rows, int columns, double* x) const {
     solve_narrow_panel_transposed(panel, rows, columns, x, width);
   }
 };
@@ -262,18 +302,20 @@ void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& co
       12;  // The narrow kernel takes six at a time: twelve take it as long as up to 32 take the wide one.
   for (Eigen::Index begin = 0; begin < x.cols(); begin += wide_columns) {
     const auto width = static_cast<int>(std::min<Eigen::Index>(wide_columns, x.cols() - begin));
-    if (width <= few)
-      substitute(x.middleCols(begin, width), NarrowLayout{width}, context);
+    if (rounded_)
+      substitute(x.middleCols(begin, width), NarrowLayout{width}, rounded_.get(), context);
+    else if (width <= few)
+      substitute(x.middleCols(begin, width), NarrowLayout{width}, values_.get(), context);
     else
-      substitute(x.middleCols(begin, width), WideLayout{width}, context);
+      substitute(x.middleCols(begin, width), WideLayout{width}, values_.get(), context);
   }
 }
 
 /// Computes x ← P L⁻ᵀ L⁻¹ Pᵀ x. A front reads all right-hand sides of an unknown at once, because x is stored
-/// row by row.
-template <class Layout>
+/// row by row. The way up leaves out subtrees where all right-hand sides are zero.
+template <class Layout, class Number>
 void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout,
-                                    const Context& context) const {
+                                    const Number* panels, const Context& context) const {
   const int width = layout.width;
   const auto read_row = [&](int position, const Front& f, int row, double* values) {
     const double* from = &x(pattern_.order[position], 0);
@@ -288,16 +330,26 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layo
     std::vector<double> values;
   };
   tbb::enumerable_thread_specific<Scratch> scratches;
-  // Per supernode, in its own front: the amounts that its columns subtract from the rows below.
+  // Per supernode, in its own front: the amounts that its columns subtract from the rows below; null if none.
   std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
+  const auto has_sides = [&](const Front& f) {
+    const auto is_zero = [](double value) { return value == 0; };
+    for (int r = 0; r < f.columns; ++r)
+      if (const double* from = &x(pattern_.order[f.first + r], 0); !std::all_of(from, from + width, is_zero))
+        return true;
+    return false;
+  };
   forest_.visit_up(
       [&](int node) {
         const Front f = front(node);
+        const auto has_updates = [&](int child) { return fronts[child] != nullptr; };
+        if (std::none_of(children_[node].begin(), children_[node].end(), has_updates) && !has_sides(f)) return;
         fronts[node].reset(new double[layout.size(f.rows)]());
         double* values = fronts[node].get();
         for (int r = 0; r < f.columns; ++r) read_row(f.first + r, f, r, values);
         std::vector<int>& rows = scratches.local().rows;
         for (const int child : children_[node]) {
+          if (!has_updates(child)) continue;
           const Front g = front(child);
           rows.resize(g.below());
           for (int r = 0, k = 0; r < g.below(); ++r) {
@@ -310,7 +362,7 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layo
               values[layout.at(f.rows, rows[r], c)] += updates[layout.at(g.rows, g.columns + r, c)];
           fronts[child].reset();
         }
-        layout.solve(f.panel, f.rows, f.columns, values);
+        layout.solve(panels + panel_begin_[node], f.rows, f.columns, values);
         for (int r = 0; r < f.columns; ++r) write_row(f, r, values);
       },
       context);
@@ -320,7 +372,7 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layo
         std::vector<double>& values = scratches.local().values;
         values.resize(layout.size(f.rows));
         for (int r = 0; r < f.rows; ++r) read_row(f.positions[r], f, r, values.data());
-        layout.solve_transposed(f.panel, f.rows, f.columns, values.data());
+        layout.solve_transposed(panels + panel_begin_[node], f.rows, f.columns, values.data());
         for (int r = 0; r < f.columns; ++r) write_row(f, r, values.data());
       },
       context);

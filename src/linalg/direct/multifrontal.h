@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -26,6 +27,10 @@ class MultifrontalFactor {
   /// Throws Error(unsolvable) if N is not positive definite.
   void factorise(LowerEntries entries, const Context& context);
 
+  /// Rounds the factor to single precision, in half the memory, unless its numbers leave that range.
+  /// Substitution is still in double precision.
+  void round();
+
   /// Returns N⁻¹ times all columns of `rhs`. Safe to call from several threads at once.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs, const Context& context) const;
   /// Replaces right-hand sides by their solutions.
@@ -38,12 +43,14 @@ class MultifrontalFactor {
   struct Front;
   struct Elimination;
   Front front(int node) const;
+  bool is_within_singles() const;
   void gather_panel(const Front& f, const LowerEntries& entries, const std::vector<int>& row_at) const;
   void add_updates(int node, int from, int to, const std::vector<int>& row_at, const Elimination& elimination,
                    double* target, int shift, int stride) const;
   void eliminate(int node, std::vector<int>& row_at, Elimination& elimination, const Context& context) const;
-  template <class Layout>
-  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout, const Context& context) const;
+  template <class Layout, class Number>
+  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout, const Number* panels,
+                  const Context& context) const;
 
   SupernodalPattern pattern_;
   std::vector<int> inverse_permutation_;   ///< per unknown: its position
@@ -51,7 +58,11 @@ class MultifrontalFactor {
   std::vector<std::int64_t> panel_begin_;  ///< per supernode: index in `values_`; one more at the end
   std::vector<std::vector<int>> children_;
   TaskForest forest_;
-  std::unique_ptr<double[]> values_;
+  struct Free {
+    void operator()(void* memory) const { std::free(memory); }
+  };
+  std::unique_ptr<double[], Free> values_;  ///< null after `round`
+  std::unique_ptr<float[], Free> rounded_;  ///< null before
   std::int64_t peak_bytes_ = 0;
 };
 

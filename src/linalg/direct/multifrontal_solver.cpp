@@ -53,6 +53,8 @@ class MultifrontalSolver final : public LinearSolver {
     factor_->solve_in_place(x, context);
   }
 
+  void round_factor() { factor_->round(); }
+
   SolverStatistics statistics() const override { return statistics_; }
 
  private:
@@ -86,6 +88,10 @@ class MultifrontalSolver final : public LinearSolver {
 std::unique_ptr<LinearSolver> copy_multifrontal_analysis(const LinearSolver& solver) {
   const auto* const multifrontal = dynamic_cast<const MultifrontalSolver*>(&solver);
   return multifrontal == nullptr ? nullptr : multifrontal->analysed_copy();
+}
+
+void round_multifrontal_factor(LinearSolver& solver) {
+  if (auto* const multifrontal = dynamic_cast<MultifrontalSolver*>(&solver)) multifrontal->round_factor();
 }
 
 std::unique_ptr<LinearSolver> make_multifrontal_solver() { return std::make_unique<MultifrontalSolver>(); }

@@ -20,14 +20,14 @@ constexpr int line = 8;    ///< values in a cache line
 
 /// Prefetches a cache line of each column of the strip that lies `by` columns further on. The runs are too
 /// short for the hardware prefetcher. Addresses may lie outside of the panel: a prefetch reads nothing.
-template <int columns>
-MESHGRAFT_INLINE void fetch_strip(const double* panel, int rows, int row, int by) {
+template <int columns, class Number>
+MESHGRAFT_INLINE void fetch_strip(const Number* panel, int rows, int row, int by) {
   for (int q = 0; q < columns; ++q) __builtin_prefetch(panel + row + static_cast<std::int64_t>(by + q) * rows);
 }
 
 /// Computes x_r −= Σ_q L_rq y_q for the rows from `r` on.
-template <int lanes, int width, int columns>
-MESHGRAFT_INLINE void subtract_product(const double* panel, int rows, int r, const double (&y)[strip][width],
+template <int lanes, int width, int columns, class Number>
+MESHGRAFT_INLINE void subtract_product(const Number* panel, int rows, int r, const double (&y)[strip][width],
                                        double* x) {
   for (; r + lanes <= rows; r += lanes) {
     if (lanes >= line || r % line < lanes) fetch_strip<columns>(panel, rows, r, columns);
@@ -45,8 +45,8 @@ MESHGRAFT_INLINE void subtract_product(const double* panel, int rows, int r, con
 }
 
 /// Computes y_q −= Σ_r L_rq x_r over the rows from `r` on.
-template <int lanes, int width, int columns>
-MESHGRAFT_INLINE void subtract_dot_products(const double* panel, int rows, int r, const double* x,
+template <int lanes, int width, int columns, class Number>
+MESHGRAFT_INLINE void subtract_dot_products(const Number* panel, int rows, int r, const double* x,
                                             double (&y)[strip][width]) {
   if (r + lanes <= rows) {
     Lanes<lanes> sums[columns][width] = {};
@@ -72,8 +72,8 @@ MESHGRAFT_INLINE void subtract_dot_products(const double* panel, int rows, int r
   if constexpr (lanes > 1) subtract_dot_products<lanes / 2, width, columns>(panel, rows, r, x, y);
 }
 
-template <int lanes, int width, int columns>
-MESHGRAFT_INLINE void solve_strip(const double* panel, int rows, int first, double* x) {
+template <int lanes, int width, int columns, class Number>
+MESHGRAFT_INLINE void solve_strip(const Number* panel, int rows, int first, double* x) {
   double y[strip][width];
   for (int q = 0; q < columns; ++q)
     for (int c = 0; c < width; ++c) {
@@ -86,8 +86,8 @@ MESHGRAFT_INLINE void solve_strip(const double* panel, int rows, int first, doub
   subtract_product<lanes, width, columns>(panel, rows, first + columns, y, x);
 }
 
-template <int lanes, int width, int columns>
-MESHGRAFT_INLINE void solve_strip_transposed(const double* panel, int rows, int first, double* x) {
+template <int lanes, int width, int columns, class Number>
+MESHGRAFT_INLINE void solve_strip_transposed(const Number* panel, int rows, int first, double* x) {
   double y[strip][width];
   for (int q = 0; q < columns; ++q)
     for (int c = 0; c < width; ++c) y[q][c] = x[first + q + static_cast<std::int64_t>(c) * rows];
@@ -102,8 +102,8 @@ MESHGRAFT_INLINE void solve_strip_transposed(const double* panel, int rows, int 
     }
 }
 
-template <int lanes, int width>
-MESHGRAFT_INLINE void solve_forward(const double* panel, int rows, int columns, double* x) {
+template <int lanes, int width, class Number>
+MESHGRAFT_INLINE void solve_forward(const Number* panel, int rows, int columns, double* x) {
   int first = 0;
   for (; first + strip <= columns; first += strip)
     solve_strip<lanes, width, strip>(panel + static_cast<std::int64_t>(first) * rows, rows, first, x);
@@ -111,8 +111,8 @@ MESHGRAFT_INLINE void solve_forward(const double* panel, int rows, int columns, 
     solve_strip<lanes, width, 1>(panel + static_cast<std::int64_t>(first) * rows, rows, first, x);
 }
 
-template <int lanes, int width>
-MESHGRAFT_INLINE void solve_backward(const double* panel, int rows, int columns, double* x) {
+template <int lanes, int width, class Number>
+MESHGRAFT_INLINE void solve_backward(const Number* panel, int rows, int columns, double* x) {
   int first = columns;
   for (; first % strip != 0; --first)
     solve_strip_transposed<lanes, width, 1>(panel + static_cast<std::int64_t>(first - 1) * rows, rows,
@@ -122,8 +122,8 @@ MESHGRAFT_INLINE void solve_backward(const double* panel, int rows, int columns,
                                                 first - strip, x);
 }
 
-template <int lanes, int width>
-MESHGRAFT_INLINE void solve_columns(Direction direction, const double* panel, int rows, int columns,
+template <int lanes, int width, class Number>
+MESHGRAFT_INLINE void solve_columns(Direction direction, const Number* panel, int rows, int columns,
                                     double* x) {
   if (direction == Direction::forward)
     solve_forward<lanes, width>(panel, rows, columns, x);
@@ -131,8 +131,8 @@ MESHGRAFT_INLINE void solve_columns(Direction direction, const double* panel, in
     solve_backward<lanes, width>(panel, rows, columns, x);
 }
 
-template <int lanes>
-MESHGRAFT_INLINE void solve(Direction direction, const double* panel, int rows, int columns, double* x,
+template <int lanes, class Number>
+MESHGRAFT_INLINE void solve(Direction direction, const Number* panel, int rows, int columns, double* x,
                             int width) {
   switch (width) {
     case 1: return solve_columns<lanes, 1>(direction, panel, rows, columns, x);
@@ -144,31 +144,38 @@ MESHGRAFT_INLINE void solve(Direction direction, const double* panel, int rows, 
   }
 }
 
-void solve_baseline(Direction direction, const double* panel, int rows, int columns, double* x, int width) {
+template <class Number>
+void solve_baseline(Direction direction, const Number* panel, int rows, int columns, double* x, int width) {
   solve<2>(direction, panel, rows, columns, x, width);
 }
 
 #if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2,fma")]] void solve_avx2(Direction direction, const double* panel, int rows, int columns,
+template <class Number>
+[[gnu::target("avx2,fma")]] void solve_avx2(Direction direction, const Number* panel, int rows, int columns,
                                             double* x, int width) {
   solve<4>(direction, panel, rows, columns, x, width);
 }
 
-[[gnu::target("avx512f,avx512vl,fma")]] void solve_avx512(Direction direction, const double* panel, int rows,
+template <class Number>
+[[gnu::target("avx512f,avx512vl,fma")]] void solve_avx512(Direction direction, const Number* panel, int rows,
                                                           int columns, double* x, int width) {
   solve<8>(direction, panel, rows, columns, x, width);
 }
 #else
-constexpr auto *solve_avx2 = solve_baseline, *solve_avx512 = solve_baseline;
+template <class Number>
+constexpr auto* solve_avx2 = solve_baseline<Number>;
+template <class Number>
+constexpr auto* solve_avx512 = solve_baseline<Number>;
 #endif
 
-void solve_all(Direction direction, const double* panel, int rows, int columns, double* x, int width,
+template <class Number>
+void solve_all(Direction direction, const Number* panel, int rows, int columns, double* x, int width,
                platform::VectorInstructions instructions) {
   const auto kernel = [&] {
     switch (instructions) {
-      case platform::VectorInstructions::avx512: return solve_avx512;
-      case platform::VectorInstructions::avx2: return solve_avx2;
-      default: return solve_baseline;
+      case platform::VectorInstructions::avx512: return solve_avx512<Number>;
+      case platform::VectorInstructions::avx2: return solve_avx2<Number>;
+      default: return solve_baseline<Number>;
     }
   }();
   for (int c = 0; c < width; c += widest)
@@ -184,6 +191,16 @@ void solve_narrow_panel(const double* panel, int rows, int columns, double* x, i
 }
 
 void solve_narrow_panel_transposed(const double* panel, int rows, int columns, double* x, int width,
+                                   platform::VectorInstructions instructions) {
+  solve_all(Direction::backward, panel, rows, columns, x, width, instructions);
+}
+
+void solve_narrow_panel(const float* panel, int rows, int columns, double* x, int width,
+                        platform::VectorInstructions instructions) {
+  solve_all(Direction::forward, panel, rows, columns, x, width, instructions);
+}
+
+void solve_narrow_panel_transposed(const float* panel, int rows, int columns, double* x, int width,
                                    platform::VectorInstructions instructions) {
   solve_all(Direction::backward, panel, rows, columns, x, width, instructions);
 }

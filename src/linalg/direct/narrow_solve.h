@@ -16,4 +16,10 @@ void solve_narrow_panel(const double* panel, int rows, int columns, double* x, i
 void solve_narrow_panel_transposed(const double* panel, int rows, int columns, double* x, int width,
                                    platform::VectorInstructions instructions = platform::vector_instructions());
 
+// The same with a panel in single precision.
+void solve_narrow_panel(const float* panel, int rows, int columns, double* x, int width,
+                        platform::VectorInstructions instructions = platform::vector_instructions());
+void solve_narrow_panel_transposed(const float* panel, int rows, int columns, double* x, int width,
+                                   platform::VectorInstructions instructions = platform::vector_instructions());
+
 }  // namespace meshgraft

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <memory>
+#include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -29,14 +32,38 @@ void set_zero(std::vector<double>& values, std::size_t count, const Context& con
   }
 }
 
-/// The arrays of the matrix that a sweep reads.
+/// Numbers in single precision, in a unit.
+class Singles {
+ public:
+  Singles() = default;
+  /// Rounds the numbers, in parallel: the first access to the memory takes longer than that.
+  Singles(const std::vector<double>& numbers, double unit, const Context& context)
+      : values_(new float[numbers.size()]), size_(numbers.size()) {
+    parallel_blocks(
+        size_,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t k = begin; k < end; ++k) values_[k] = static_cast<float>(numbers[k] / unit);
+        },
+        context, std::size_t{1} << 18);
+  }
+  const float* data() const { return values_.get(); }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::unique_ptr<float[]> values_;
+  std::size_t size_ = 0;
+};
+
+/// The arrays of the matrix that a product or a sweep reads.
+template <class Number>
 struct Rows {
+  double unit;  ///< of the blocks and entries of L
   const Index* block_offsets;
   const Index* block_nodes;
-  const double* blocks;
+  const Number* blocks;
   const Index* entry_offsets;
   const Index* entry_nodes;
-  const double* entries;
+  const Number* entries;
   const double* diagonal;
   const double* diagonal_inverse;
 };
@@ -45,55 +72,56 @@ struct Rows {
 // functions below.
 
 /// Computes y += M x.
-template <int width>
-[[gnu::always_inline]] inline void add_product(const double* M, const Four* x, Four* y) {
+template <int width, class Number>
+[[gnu::always_inline]] inline void add_product(const Number* M, const Four* x, Four* y) {
   for (int a = 0; a < width; ++a)
-    for (int b = 0; b < width; ++b) y[a] += M[width * a + b] * x[b];
+    for (int b = 0; b < width; ++b) y[a] += double{M[width * a + b]} * x[b];
 }
 
 /// Computes y -= Mᵀ x.
-template <int width>
-[[gnu::always_inline]] inline void subtract_transposed(const double* M, const Four* x, Four* y) {
+template <int width, class Number>
+[[gnu::always_inline]] inline void subtract_transposed(const Number* M, const Four* x, Four* y) {
   for (int a = 0; a < width; ++a) {
     Four value = y[a];
-    for (int b = 0; b < width; ++b) value -= M[width * b + a] * x[b];
+    for (int b = 0; b < width; ++b) value -= double{M[width * b + a]} * x[b];
     y[a] = value;
   }
 }
 
 /// Computes y += L x in the rows of node i.
-template <int width>
-[[gnu::always_inline]] inline void gather(const Rows& N, Index i, const Four* x, Four* y) {
+template <int width, class Number>
+[[gnu::always_inline]] inline void gather(const Rows<Number>& N, Index i, const Four* x, Four* y) {
   for (Index k = N.block_offsets[i]; k < N.block_offsets[i + 1]; ++k)
     add_product<width>(N.blocks + k * std::ptrdiff_t{width * width},
                        x + N.block_nodes[k] * std::ptrdiff_t{width}, y);
   for (Index k = N.entry_offsets[i]; k < N.entry_offsets[i + 1]; ++k)
-    y[0] += N.entries[k] * x[N.entry_nodes[k] * std::ptrdiff_t{width}];
+    y[0] += double{N.entries[k]} * x[N.entry_nodes[k] * std::ptrdiff_t{width}];
 }
 
 /// Does the same from the last coupling to the first. A sweep from the last node to the first so reads all
 /// arrays in one direction, which the hardware prefetcher needs.
-template <int width>
-[[gnu::always_inline]] inline void gather_backward(const Rows& N, Index i, const Four* x, Four* y) {
+template <int width, class Number>
+[[gnu::always_inline]] inline void gather_backward(const Rows<Number>& N, Index i, const Four* x, Four* y) {
   for (Index k = N.entry_offsets[i + 1]; k-- > N.entry_offsets[i];)
-    y[0] += N.entries[k] * x[N.entry_nodes[k] * std::ptrdiff_t{width}];
+    y[0] += double{N.entries[k]} * x[N.entry_nodes[k] * std::ptrdiff_t{width}];
   for (Index k = N.block_offsets[i + 1]; k-- > N.block_offsets[i];)
     add_product<width>(N.blocks + k * std::ptrdiff_t{width * width},
                        x + N.block_nodes[k] * std::ptrdiff_t{width}, y);
 }
 
 /// Computes y -= Lᵀ x for the x of node i alone.
-template <int width>
-[[gnu::always_inline]] inline void scatter(const Rows& N, Index i, const Four* x, Four* y) {
+template <int width, class Number>
+[[gnu::always_inline]] inline void scatter(const Rows<Number>& N, Index i, const Four* x, Four* y) {
   for (Index k = N.block_offsets[i]; k < N.block_offsets[i + 1]; ++k)
     subtract_transposed<width>(N.blocks + k * std::ptrdiff_t{width * width}, x,
                                y + N.block_nodes[k] * std::ptrdiff_t{width});
   for (Index k = N.entry_offsets[i]; k < N.entry_offsets[i + 1]; ++k)
-    y[N.entry_nodes[k] * std::ptrdiff_t{width}] -= N.entries[k] * x[0];
+    y[N.entry_nodes[k] * std::ptrdiff_t{width}] -= double{N.entries[k]} * x[0];
 }
 
 template <int width>
-MESHGRAFT_WIDEST_REGISTERS void multiply_rows(const Rows N, Index begin, Index end, const Four* x, Four* y) {
+MESHGRAFT_WIDEST_REGISTERS void multiply_rows(const Rows<double> N, Index begin, Index end, const Four* x,
+                                              Four* y) {
   for (Index i = begin; i < end; ++i) {
     const std::ptrdiff_t own = i * std::ptrdiff_t{width};
     Four sum[width] = {}, minus_x[width];
@@ -106,33 +134,36 @@ MESHGRAFT_WIDEST_REGISTERS void multiply_rows(const Rows N, Index begin, Index e
 }
 
 template <int width>
-MESHGRAFT_WIDEST_REGISTERS void sweep_rows_forward(const Rows N, Index begin, Index end, const Four* r, Four* z,
-                                                   Four* s) {
+MESHGRAFT_WIDEST_REGISTERS void sweep_rows_forward(const Rows<float> N, Index begin, Index end, const Four* r,
+                                                   Four* z, Four* s) {
   for (Index i = begin; i < end; ++i) {
     const std::ptrdiff_t own = i * std::ptrdiff_t{width};
     Four left[width] = {}, solved[width] = {};
     gather<width>(N, i, z, left);
-    for (int a = 0; a < width; ++a) left[a] = r[own + a] - left[a];
+    for (int a = 0; a < width; ++a) left[a] = r[own + a] - N.unit * left[a];
     add_product<width>(N.diagonal_inverse + own * width, left, solved);
     for (int a = 0; a < width; ++a) z[own + a] = solved[a];
+    for (int a = 0; a < width; ++a) solved[a] *= N.unit;
     scatter<width>(N, i, solved, s);
   }
 }
 
 template <int width>
-MESHGRAFT_WIDEST_REGISTERS void sweep_rows_backward(const Rows N, Index begin, Index end, const Four* e,
+MESHGRAFT_WIDEST_REGISTERS void sweep_rows_backward(const Rows<float> N, Index begin, Index end, const Four* e,
                                                     Four* s, Four* z) {
   for (Index i = end; i-- > begin;) {
     const std::ptrdiff_t own = i * std::ptrdiff_t{width};
     Four product[width] = {}, change[width];
-    add_product<width>(N.diagonal + own * width, e + own, product);
     gather_backward<width>(N, i, e, product);
+    for (int a = 0; a < width; ++a) product[a] *= N.unit;
+    add_product<width>(N.diagonal + own * width, e + own, product);
     for (int a = 0; a < width; ++a) {
       product[a] = s[own + a] - product[a];
       change[a] = e[own + a];
     }
     add_product<width>(N.diagonal_inverse + own * width, product, change);
     for (int a = 0; a < width; ++a) z[own + a] += change[a];
+    for (int a = 0; a < width; ++a) change[a] *= N.unit;
     scatter<width>(N, i, change, s);
   }
 }
@@ -175,11 +206,22 @@ class BlockMatrixOf final : public BlockMatrix {
     invert_diagonal(lower.rows(), context);
   }
 
+  void prepare_sweeps(const Context& context) override {
+    // No entry of a positive definite matrix is larger than those of its diagonal.
+    double largest = 0;
+    for (std::size_t r = 0; r < order_.nodes.unknown.size(); ++r)
+      if (order_.nodes.unknown[r] >= 0)
+        largest = std::max(largest, diagonal_[r / width * block_size + r % width * (width + 1)]);
+    unit_ = largest > 0 ? std::ldexp(1.0, std::ilogb(largest)) : 1;
+    blocks_for_sweeps_ = Singles(blocks_, unit_, context);
+    entries_for_sweeps_ = Singles(entries_, unit_, context);
+  }
+
   void multiply(const FourColumns& x, FourColumns& y, const Context& context) const override {
     set_zero(y, x.rows(), context);
     for (const int parity : {0, 1})
       for_each_strip(parity, context, [&](Index begin, Index end) {
-        multiply_rows<width>(rows(), begin, end, rows_of(x), rows_of(y));
+        multiply_rows<width>(rows_for_products(), begin, end, rows_of(x), rows_of(y));
       });
   }
 
@@ -189,7 +231,7 @@ class BlockMatrixOf final : public BlockMatrix {
     set_zero(s, r.rows(), context);
     for (const int parity : {0, 1})
       for_each_strip(parity, context, [&](Index begin, Index end) {
-        sweep_rows_forward<width>(rows(), begin, end, rows_of(r), rows_of(z), rows_of(s));
+        sweep_rows_forward<width>(rows_for_sweeps(), begin, end, rows_of(r), rows_of(z), rows_of(s));
       });
   }
 
@@ -197,14 +239,16 @@ class BlockMatrixOf final : public BlockMatrix {
                       const Context& context) const override {
     for (const int parity : {1, 0})
       for_each_strip(parity, context, [&](Index begin, Index end) {
-        sweep_rows_backward<width>(rows(), begin, end, rows_of(e), rows_of(s), rows_of(z));
+        sweep_rows_backward<width>(rows_for_sweeps(), begin, end, rows_of(e), rows_of(s), rows_of(z));
       });
   }
 
   std::int64_t bytes() const override {
     const std::size_t numbers = blocks_.size() + entries_.size() + diagonal_.size() + diagonal_inverse_.size();
+    const std::size_t singles = blocks_for_sweeps_.size() + entries_for_sweeps_.size();
     const std::size_t indices = order_.before_by_block.values.size() + order_.before_by_entry.values.size();
-    return static_cast<std::int64_t>(numbers * sizeof(double) + indices * sizeof(Index));
+    return static_cast<std::int64_t>(numbers * sizeof(double) + singles * sizeof(float) +
+                                     indices * sizeof(Index));
   }
 
   const double* diagonal_block(Index node) const override { return &diagonal_[node * block_size]; }
@@ -218,10 +262,16 @@ class BlockMatrixOf final : public BlockMatrix {
  private:
   static constexpr std::size_t block_size = width * width;
 
-  Rows rows() const {
+  template <class Number>
+  Rows<Number> rows_with(const Number* blocks, const Number* entries, double unit) const {
     const IndexLists &by_block = order_.before_by_block, &by_entry = order_.before_by_entry;
-    return {by_block.offsets.data(), by_block.values.data(), blocks_.data(),   by_entry.offsets.data(),
-            by_entry.values.data(),  entries_.data(),        diagonal_.data(), diagonal_inverse_.data()};
+    return {unit,    by_block.offsets.data(), by_block.values.data(),
+            blocks,  by_entry.offsets.data(), by_entry.values.data(),
+            entries, diagonal_.data(),        diagonal_inverse_.data()};
+  }
+  Rows<double> rows_for_products() const { return rows_with(blocks_.data(), entries_.data(), 1); }
+  Rows<float> rows_for_sweeps() const {
+    return rows_with(blocks_for_sweeps_.data(), entries_for_sweeps_.data(), unit_);
   }
 
   template <class Body>
@@ -307,6 +357,8 @@ class BlockMatrixOf final : public BlockMatrix {
 
   const NodeOrder& order_;
   std::vector<double> blocks_, entries_, diagonal_, diagonal_inverse_;
+  double unit_ = 1;  ///< of L for sweeps, a power of two
+  Singles blocks_for_sweeps_, entries_for_sweeps_;
 };
 
 }  // namespace

@@ -12,13 +12,17 @@ namespace meshgraft {
 
 /// A symmetric positive definite matrix N = L + D + Lᵀ in blocks of nodes. D holds the nodes' own blocks. L
 /// couples each node with those that a forward sweep meets first. L is stored once, and each visit to a row
-/// of L is used for L and Lᵀ.
+/// of L is used for L and Lᵀ. Sweeps, which precondition, read L in single precision, because they wait for
+/// memory. They compute in double precision with D, so that they stay symmetric and positive definite.
 class BlockMatrix {
  public:
   virtual ~BlockMatrix() = default;
 
   /// Throws Error(unsolvable) if a block of D is not positive definite.
   virtual void set_values(const NormalMatrix& lower, const Context& context) = 0;
+
+  /// Rounds L for sweeps. It is apart from `set_values`, so that the caller can free memory before.
+  virtual void prepare_sweeps(const Context& context) = 0;
 
   /// Computes y = N x.
   virtual void multiply(const FourColumns& x, FourColumns& y, const Context& context) const = 0;

@@ -124,6 +124,8 @@ class IterativeSolver final : public LinearSolver {
                             {.threads = context.threads, .stop_token = context.stop_token});
     const auto coarse_nonzeros = static_cast<double>(coarse.nonZeros());
     coarse_solver_->factorise_and_free(coarse, {.threads = context.threads, .stop_token = context.stop_token});
+    round_factor(*coarse_solver_);
+    matrix_->prepare_sweeps(context);
     context.step("factorise", 1.0);
 
     const SolverStatistics of_coarse = coarse_solver_->statistics();
