@@ -265,6 +265,9 @@ void ParallelSolver::Impl::set_up_inner(Mat of, const char* type, const std::str
   require(PCSetType(preconditioner, type));
   if (is_factorised) {
     require(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS));
+    // MUMPS maps work to ranks by their load. On busy cores a rank may need more workspace than the analysis
+    // foresees, and its usual allowance of 20 % was once too small by a few thousand numbers.
+    set_default_option("-" + options.prefix + prefix + "mat_mumps_icntl_14", "60");
   } else if (of == coarse) {
     // Each aggregate has four functions, whose blocks are inverted together. A rank with few unknowns of a
     // level costs more messages than it saves work.
