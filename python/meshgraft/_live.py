@@ -62,7 +62,7 @@ class LiveDeformer(_Posed[M]):
                  on_failure: Callable[[int, Error], object] | None = None, fixed: Any = None, anchors: Any = None,
                  features: Sequence[Any] | None = None, symmetry: Any = None, weld: bool | None = None,
                  proxy_from: int = 10_000, proxy_vertices: int = 2000,
-                 settle_seconds: float = 0.1, centres: int = 128, samples_per_centre: int = 4,
+                 settle_seconds: float = 0.1, centres: int = 128, samples_per_centre: int = 6,
                  earlier: Deformer[M] | None = None, threads: int = 0, **settings: Unpack[DeformKeywords]) -> None:
         given = _Solver._set_up(cast(Any, self), mesh, region, handles or {}, fixed, anchors, features, symmetry, weld,
                                 settings)

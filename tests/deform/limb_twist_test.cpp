@@ -13,6 +13,7 @@
 #include <meshgraft/deform/quick_frames.h>
 #include <meshgraft/mesh/topology.h>
 
+#include "deform/reduced/twist_modes.h"
 #include "deform/solve/limb_faces.h"
 #include "support/limb_cases.h"
 #include "support/mesh_families.h"
@@ -107,6 +108,48 @@ struct DiscInSheet {
     }
   }
 };
+
+/// Returns how much of the strain that a turn causes the functions leave out, relative to its norm.
+double left_out(const LimbTwist& limbs, const Columns& influence, const Columns& functions, double turn) {
+  const Columns slopes = limbs.slopes(influence, {});
+  Eigen::MatrixXd strains(functions.rows(), 2), fitted = functions;
+  for (Eigen::Index v = 0; v < functions.rows(); ++v) {
+    const LimbPoint at = limbs.at(v);
+    const double rate = twist_rate(at, turn * std::abs(slopes(v, 0))), angle = turn * influence(v, 0);
+    strains.row(v) << rate * std::cos(angle), rate * std::sin(angle);
+    strains.row(v) *= at.moment.norm();
+    fitted.row(v) *= at.moment.norm();
+  }
+  const Eigen::MatrixXd fit = fitted.colPivHouseholderQr().solve(strains);
+  return (fitted * fit - strains).norm() / strains.norm();
+}
+
+TEST(TwistModes, SpanTheStrainsThatAHandleCauses) {
+  const auto check = [](const LimbTwist& limbs, const Columns& influence, double bound) {
+    std::vector<Index> points;
+    for (Index v = 0; v < influence.rows(); ++v)
+      if (!limbs.at(v).moment.isZero(0)) points.push_back(v);
+    const std::vector<Index> handles{0};
+    const Columns modes = twist_modes(limbs, influence, limbs.slopes(influence, {}), points, handles, 20, {});
+    ASSERT_EQ(modes.cols(), 20);
+    for (const double turn_deg : {50.0, 90.0, 200.0, 500.0})
+      EXPECT_LT(left_out(limbs, influence, modes, turn_deg * std::numbers::pi / 180), bound) << turn_deg;
+  };
+  for (const test::LimbShape& shape : limb_shapes()) {
+    SCOPED_TRACE(test::make_limb(shape).mesh.name);
+    const test::Limb limb = test::make_limb(shape);
+    check(limbs_of(limb), limb.mesh.positions.col(2) / limb.length, 1e-3);
+  }
+  for (const bool is_flat : {true, false}) {
+    const DiscInSheet sheet(is_flat);
+    Columns influence = Columns::Zero(sheet.mesh.size(), 1);  // harmonic around a disc
+    for (Index v = 0; v < sheet.mesh.size(); ++v) {
+      const double distance = (sheet.mesh.positions.row(v) - sheet.centre).norm() / sheet.mesh.box_diagonal();
+      influence(v, 0) = std::clamp(std::log(0.32 / distance) / std::log(0.32 / 0.07), 0.0, 1.0);
+    }
+    check(limbs_of(sheet.mesh, sheet.given), influence, 0.02);
+  }
+}
 
 TEST(LimbTwist, FindsAxisAndCentreOfADisc) {
   const DiscInSheet sheet;

@@ -33,13 +33,13 @@ struct SampleScene {
       if (seeds[v]) all.push_back(v);
     return edge_distance(all, mesh.positions, rings, {.limit = everywhere});
   }
-  /// Returns the same in units that double from the seeds to the vertex farthest from them.
+  /// Returns the same in units that triple from the seeds to the vertex farthest from them.
   std::vector<double> graded_distance_from(const std::vector<Index>& sources) const {
     std::vector<double> unit = distance_from({});
     double farthest = 0;
     for (const double distance : unit)
       if (distance < everywhere) farthest = std::max(farthest, distance);
-    for (double& u : unit) u = 1 + (farthest > 0 ? std::min(u / farthest, 1.0) : 0);
+    for (double& u : unit) u = 1 + 2 * (farthest > 0 ? std::min(u / farthest, 1.0) : 0);
     std::vector<double> distance(unit.size(), everywhere);
     for (const Index v : sources) distance[v] = 0;
     for (Index v = 0; v < mesh.size(); ++v)

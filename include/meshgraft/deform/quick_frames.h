@@ -114,9 +114,9 @@ struct ReducedFramesOptions {
   /// vertex and centre) and the time of set-up and frames grow with it, and errors fall.
   Index centres = 128;
   /// Number of samples per centre. The field is fitted to its values at the samples, and the surface's own
-  /// rotations are means over their cells. There are at most 8,192 samples; set-up takes a solve for each, and
-  /// every iteration of a frame a product with a matrix of samples × samples.
-  Index samples_per_centre = 4;
+  /// rotations are means over their cells. There are at most 8,192 samples. The time of a frame's iterations
+  /// grows with them.
+  Index samples_per_centre = 6;
 };
 
 /// Throws Error(input), naming the field, for a value out of range.

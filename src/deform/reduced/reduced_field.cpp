@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/QR>
 
@@ -37,13 +38,6 @@ Columns scaled_identities(const Columns& weights, std::size_t column) {
 
 }  // namespace
 
-/// The logarithms of the handles' transforms and of the fits of components without a given transform.
-struct ReducedField::Logs {
-  Eigen::Matrix3d reference = Eigen::Matrix3d::Identity();
-  Columns handles;  ///< H × 9: rotation vector, logarithm of the stretch
-  Columns fits;     ///< components without a given map × 9
-};
-
 ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField& rotations,
                            std::span<const Handle> handles, const DeformerOptions& options, Index centres,
                            Index samples, const Context& context)
@@ -62,7 +56,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   context.throw_if_stopped();
   fit_loose_components();
   context.throw_if_stopped();
-  if (!rotations.limbs().empty()) sample_limbs(options.backend, context);
+  if (!rotations.limbs().empty()) reduce_twists(options.backend, context);
   context.throw_if_stopped();
   maps_.setZero(4, static_cast<Eigen::Index>(samples_.size() * width()));
   base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
@@ -187,31 +181,48 @@ void ReducedField::join_winding(const Eigen::Ref<const Columns>& of_centres, con
         winding.middleRows(first, count) - centres * at_centres -
         given_weights_.middleRows(first, count) * at_handles;
   });
-  // Between samples the winding functions could be anything.
+  fit_ = fit_functions(weights_(samples_, Eigen::all), fit_weights(), winding_penalty());
+}
+
+/// Returns the weights of samples in fits: the areas of their cells, but no less than a small share of the
+/// mean. Collapsed faces have no area, and still have to be where their neighbours are.
+std::vector<double> ReducedField::fit_weights() const {
+  constexpr double least = 1e-4;
+  const double mean = std::accumulate(areas_.begin(), areas_.end(), 0.0) / static_cast<double>(areas_.size());
+  std::vector<double> weights = areas_;
+  for (double& weight : weights) weight = std::max(weight, least * mean);
+  return weights;
+}
+
+/// Returns a penalty of the winding functions: between samples they could be anything.
+Eigen::MatrixXd ReducedField::winding_penalty() const {
   constexpr double share = 0.1;  // chosen: 0.01 does as well
   const std::vector<double>& areas = rotations_->fields().areas();
   const Eigen::Map<const Eigen::VectorXd> weights(areas.data(), weights_.rows());
-  fit_ = fit_functions(weights_(samples_, Eigen::all), areas_,
-                       square_integrals(weights_.rightCols(winding.cols()), share * weights));
+  return square_integrals(weights_.rightCols(static_cast<Eigen::Index>(winding_count_)), share * weights);
 }
 
-/// Reduces smoothing to the samples: smooth(f)(s) = Σ_c S(s, c) f(c), where S(s, c) is the integral of the
-/// kernel at s over the cell c. This takes one solve per sample.
+/// Reduces smoothing to the functions: a field is fitted to means over cells, and the smoothed functions are
+/// known at the samples. The smoothing length is often shorter than a cell, so that a field that is constant on
+/// each cell would be too rough: frames of a bumpy sheet would be off by seven times as much.
 void ReducedField::reduce_smoothing(const Context& context) {
-  constexpr std::size_t at_once = 32;
-  const std::span<const Index> samples = samples_;
-  const auto count = static_cast<Eigen::Index>(samples.size());
-  const Eigen::Map<const Eigen::VectorXd> areas(areas_.data(), count);
+  constexpr Eigen::Index at_once = 32;
   const SparseRows cells = cell_mean_rows(1);
-  smoothing_.resize(count, count);
-  Columns memory, kernels;
-  for (std::size_t first = 0; first < samples.size(); first += at_once) {
-    const auto some = samples.subspan(first, std::min(at_once, samples.size() - first));
-    rotations_->fields().smoothing_kernels(some, memory, kernels, context);
-    smoothing_.middleRows(static_cast<Eigen::Index>(first), kernels.cols()) =
-        (areas.asDiagonal() * multiply(cells, kernels, context)).transpose();
+  const auto count = static_cast<Eigen::Index>(samples_.size());
+  Columns means(count, weights_.cols()), functions;
+  smoothed_functions_.resize(count, weights_.cols());
+  for (Eigen::Index first = 0; first < weights_.cols(); first += at_once) {
+    const Eigen::Index width = std::min(at_once, weights_.cols() - first);
+    functions.resize(weights_.rows(), width);
+    for_rows(functions.rows(), context, [&](Eigen::Index row, Eigen::Index rows) {
+      functions.middleRows(row, rows) = weights_.block(row, first, rows, width);
+    });
+    means.middleCols(first, width) = multiply(cells, functions, context);
+    smoothed_functions_.middleCols(first, width) =
+        rotations_->fields().smooth(functions, functions, context)(samples_, Eigen::all);
     context.throw_if_stopped();
   }
+  cell_fit_ = fit_functions(means, fit_weights(), winding_penalty());
 }
 
 /// Fits affine maps to components with given positions only. The field of such a component starts from its
@@ -248,51 +259,31 @@ void ReducedField::fit_loose_components() {
   std::transform(samples_.begin(), samples_.end(), std::back_inserter(sample_component_), loose);
 }
 
-/// Samples what the strain of twists needs at centres and cells.
-void ReducedField::sample_limbs(SolverBackend backend, const Context& context) {
-  const LimbTwist& limbs = rotations_->limbs();
+/// Prepares the strain of twists: its smooth functions are those of the first centres.
+void ReducedField::reduce_twists(SolverBackend backend, const Context& context) {
   const FieldSurface surface = field_surface(*system_);
   Flags at_centres(system_->mask().transform.size(), 0);
-  // The rate of a twist is a mean over sections, and changes little along a limb.
-  constexpr std::size_t centres_per_twist_centre = 4;  // chosen: 16 are off by twice as much on discs
-  twist_centre_count_ = std::max<std::size_t>(1, centres_.size() / centres_per_twist_centre);
-  if (winding_count_ == 0) twist_centre_count_ = centres_.size();
-  const std::span<const Index> centres(centres_.data(), twist_centre_count_);
-  Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(centres.size()));
-  for (std::size_t k = 0; k < centres.size(); ++k) {
-    values(centres[k], static_cast<Eigen::Index>(k)) = 1;
-    at_centres[centres[k]] = 1;
+  const std::size_t count =
+      winding_count_ == 0 ? centres_.size() : std::max<std::size_t>(1, centres_.size() / 2);
+  Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    values(centres_[k], static_cast<Eigen::Index>(k)) = 1;
+    at_centres[centres_[k]] = 1;
   }
   // Another system's bending matrix would be wrong where a shared patch is larger.
   const auto bending = std::make_shared<const BendingMatrix>(surface, context);
   const SurfaceFields beyond_centres(
       surface, at_centres, bending, {.bending_length_rel = {}, .backend = backend, .corrects = false}, context);
-  const Columns spread = beyond_centres.spread(std::move(values), context), winding = winding_weights();
-  twist_weights_.resize(spread.rows(), spread.cols() + winding.cols());
-  for_rows(spread.rows(), context, [&](Eigen::Index first, Eigen::Index count) {
-    twist_weights_.middleRows(first, count) << spread.middleRows(first, count),
-        winding.middleRows(first, count);
-  });
-  const std::vector<double>& areas = rotations_->fields().areas();
-  std::vector<double> at_samples(samples_.size());
-  Eigen::VectorXd on_discs = Eigen::VectorXd::Zero(twist_weights_.rows());
-  for (std::size_t s = 0; s < samples_.size(); ++s)
-    at_samples[s] = areas_[s] * limbs.at(samples_[s]).moment.squaredNorm();
-  for (Eigen::Index v = 0; v < on_discs.size(); ++v)
-    if (const LimbPoint at = limbs.at(v); is_on_disc(at))
-      on_discs[v] = areas[static_cast<std::size_t>(v)] * at.moment.squaredNorm();
-  // Around discs, the strain begins and ends more abruptly than the functions can follow. Without the penalty
-  // they would swing between the samples.
-  twist_fit_ = fit_functions(twist_weights_(samples_, Eigen::all), at_samples,
-                             square_integrals(twist_weights_, 1e-2 * on_discs));
-  const Columns slopes = limbs.slopes(blend_weights_, context);
-  for (const Index v : samples_) sample_limbs_.push_back(limbs.at(v));
-  sample_slopes_ = slopes(samples_, Eigen::all);
-  cell_strains_.assign(samples_.size(), Eigen::Matrix3d::Zero());
-  for (std::size_t v = 0; v < cell_.size(); ++v)
-    if (const auto row = static_cast<Eigen::Index>(v); cell_[v] >= 0)
-      cell_strains_[cell_[v]] +=
-          areas[v] / areas_[cell_[v]] * limbs.at(row).moment * limbs.at(row).direction.transpose();
+  // Chosen: 30 are no better than 20.
+  constexpr std::size_t most_components = 20, fewest_components = 3;
+  const std::size_t components =
+      winding_count_ == 0 ? 0 : std::max(fewest_components, most_components / winding_handles_.size());
+  const SurfaceFields& fields = rotations_->fields();
+  twists_ = ReducedTwists(
+      rotations_->limbs(),
+      {samples_, cell_, fields.areas(), fields.component(), areas_, blend_weights_, cell_influence_},
+      beyond_centres.spread(std::move(values), context), winding_handles_,
+      static_cast<Eigen::Index>(components), context);
 }
 
 /// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.
@@ -334,7 +325,7 @@ void ReducedField::set_maps(std::span<const std::size_t> rows, const Columns& me
   for (std::size_t s = 0; s < samples_.size(); ++s)
     for (std::size_t c = 0; c < rows.size(); ++c)
       maps_.topRows<3>().col(static_cast<Eigen::Index>(s * width() + rows[c])) =
-          means.col(static_cast<Eigen::Index>(c)).segment<3>(static_cast<Eigen::Index>(3 * s));
+          means.col(static_cast<Eigen::Index>(c)).segment<3>(static_cast<Eigen::Index>(3 * s)).cast<float>();
 }
 
 void ReducedField::finish() {
@@ -342,12 +333,14 @@ void ReducedField::finish() {
   rotations_ = nullptr;
   handles_ = {};
   cell_ = {};
-  given_ = weights_ = twist_weights_ = given_weights_ = blend_weights_ = {};
+  given_ = weights_ = given_weights_ = blend_weights_ = {};
+  twists_.finish();
 }
 
 /// Computes the logarithms; returns false if a transform has none. `RotationField::blend` does the same per
 /// vertex.
-bool ReducedField::handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const {
+bool ReducedField::handle_logs(std::span<const HandlePose> poses, const Columns& frames,
+                               BlendedLogs& logs) const {
   std::vector<PolarParts> parts(poses.size());
   bool from_rest = from_rest_;
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
@@ -378,25 +371,6 @@ bool ReducedField::handle_logs(std::span<const HandlePose> poses, const Columns&
   return true;
 }
 
-BlendedMap ReducedField::blend(const Logs& logs, Eigen::Index row, const Columns& influence,
-                               Index component) const {
-  Eigen::Matrix<double, 1, 9> log;
-  if (component >= 0)
-    log = logs.fits.row(component);
-  else
-    log = influence.row(row) * logs.handles;
-  return {rotation_exp(log.head<3>().transpose()) * logs.reference, stretch_exp(log.tail<6>().transpose())};
-}
-
-/// Returns W of `twist_shear` at a sample, 0 in a component without a given map.
-Eigen::Matrix3d ReducedField::shear_at(const Logs& logs, Eigen::Index row, const Columns& influence,
-                                       const Eigen::Matrix3d& stretch) const {
-  const auto turns = logs.handles.leftCols<3>();
-  const Eigen::RowVector3d turn = influence.row(row) * turns, slope = sample_slopes_.row(row) * turns;
-  return twist_shear(sample_limbs_[static_cast<std::size_t>(row)], turn.transpose(), slope.transpose(),
-                     logs.reference, stretch);
-}
-
 ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const PoseMatrix* frames,
                                         const Context& context) const {
   const auto handle_rows = static_cast<Eigen::Index>(4 * handle_count_);
@@ -405,53 +379,62 @@ ReducedField::Result ReducedField::find(std::span<const HandlePose> poses, const
     pose_matrices.middleRows<4>(static_cast<Eigen::Index>(4 * h)) = frames[h];
   Result result;
   result.coefficients = Columns::Zero(static_cast<Eigen::Index>(width()), 3);
-  Logs logs;
+  BlendedLogs logs;
   if (!handle_logs(poses, pose_matrices, logs)) {
     result.linear = true;
     result.coefficients.middleRows(handle_rows, handle_rows) = pose_matrices;
     return result;
   }
   result.coefficients.topRows(handle_rows) = pose_matrices;
-  std::vector<SampleMap> at_samples;
-  for (std::size_t k = 0; k < samples_.size(); ++k) {
-    const auto row = static_cast<Eigen::Index>(k);
-    SampleMap map{blend(logs, row, sample_influence_, sample_component_[k])};
-    if (has_limbs()) map.shear = shear_at(logs, row, sample_influence_, map.blended.stretch);
-    at_samples.push_back(map);
-  }
-  set_field(at_samples, Columns::Zero(static_cast<Eigen::Index>(samples_.size()), 3), result.coefficients);
-  if (iterations_ == 0) return result;
-  std::vector<BlendedMap> at_cells;
-  for (std::size_t s = 0; s < samples_.size(); ++s) {
-    const auto row = static_cast<Eigen::Index>(s);
-    BlendedMap map = blend(logs, row, cell_influence_, sample_component_[s]);
-    if (has_limbs()) map.stretch += shear_at(logs, row, cell_influence_, map.stretch) * cell_strains_[s];
-    at_cells.push_back(map);
-  }
-  local_steps(at_samples, at_cells, result, context);
+  const Blend blend = blend_of(logs, context);
+  set_field(blend, Columns::Zero(static_cast<Eigen::Index>(samples_.size()), 3), result.coefficients);
+  if (iterations_ > 0) local_steps(blend, result, context);
   return result;
 }
 
+ReducedField::Blend ReducedField::blend_of(const BlendedLogs& logs, const Context& context) const {
+  Blend blend;
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    SampleMap at_sample{logs.map_at(sample_influence_, row, sample_component_[k])};
+    if (has_limbs()) at_sample.shear = twists_.shear_at_sample(logs, row, at_sample.blended.stretch);
+    blend.at_samples.push_back(at_sample);
+    if (iterations_ == 0) continue;
+    BlendedMap at_cell = logs.map_at(cell_influence_, row, sample_component_[k]);
+    if (has_limbs()) at_cell.stretch += twists_.strain_of_cell(logs, row, at_cell.stretch);
+    blend.at_cells.push_back(at_cell);
+  }
+  if (has_limbs()) blend.twists = twists_.of_handles(logs, context);
+  return blend;
+}
+
 /// Returns (M − I)ᵀ of a cell without the part that anchors' targets cause.
-Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const Columns& coefficients) const {
-  using Lanes = Eigen::Array<double, 4, 1>;
-  Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
-  const double* column = maps_.data() + 4 * cell * width();
-  for (Eigen::Index row = 0; row < coefficients.rows(); ++row, column += 4) {
-    const Eigen::Map<const Lanes> numbers(column);
-    x += numbers * coefficients(row, 0);
-    y += numbers * coefficients(row, 1);
-    z += numbers * coefficients(row, 2);
+Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const ShortCoefficients& coefficients) const {
+  using Lanes = Eigen::Array4f;
+  constexpr Eigen::Index short_sum = 32;  // terms summed in single precision before rounding matters
+  Eigen::Array4d total[3] = {Eigen::Array4d::Zero(), Eigen::Array4d::Zero(), Eigen::Array4d::Zero()};
+  const float* column = maps_.data() + 4 * cell * width();
+  const float* coefficient = coefficients.data();
+  for (Eigen::Index first = 0; first < coefficients.rows(); first += short_sum) {
+    Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
+    for (Eigen::Index row = first; row < std::min(coefficients.rows(), first + short_sum);
+         ++row, column += 4, coefficient += 3) {
+      const Eigen::Map<const Lanes> numbers(column);
+      x += numbers * coefficient[0];
+      y += numbers * coefficient[1];
+      z += numbers * coefficient[2];
+    }
+    total[0] += x.cast<double>();
+    total[1] += y.cast<double>();
+    total[2] += z.cast<double>();
   }
   Eigen::Matrix3d map;
-  map << x.head<3>(), y.head<3>(), z.head<3>();
+  map << total[0].head<3>(), total[1].head<3>(), total[2].head<3>();
   return map;
 }
 
 /// Performs the steps of `RotationField::local_steps` on the samples.
-void ReducedField::local_steps(const std::vector<SampleMap>& at_samples,
-                               const std::vector<BlendedMap>& at_cells, Result& result,
-                               const Context& context) const {
+void ReducedField::local_steps(const Blend& blend, Result& result, const Context& context) const {
   const auto count = static_cast<Eigen::Index>(samples_.size());
   const Eigen::Map<const Eigen::VectorXd> areas(areas_.data(), count);
   const auto sum_of_products = [&areas](const Columns& a, const Columns& b) {
@@ -460,19 +443,20 @@ void ReducedField::local_steps(const std::vector<SampleMap>& at_samples,
   AndersonMixing mixing(sum_of_products);
   Columns deviation = Columns::Zero(count, 3), raw(count, 3);
   while (result.iterations < iterations_) {
+    const ShortCoefficients coefficients = result.coefficients.cast<float>();
     const auto turn = [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
         const auto row = static_cast<Eigen::Index>(s);
-        const Eigen::Matrix3d change = cell_map(s, result.coefficients) + base_maps_.middleRows<3>(3 * row);
-        raw.row(row) = surface_turn(change.transpose() + Eigen::Matrix3d::Identity(), at_cells[s],
+        const Eigen::Matrix3d change = cell_map(s, coefficients) + base_maps_.middleRows<3>(3 * row);
+        raw.row(row) = surface_turn(change.transpose() + Eigen::Matrix3d::Identity(), blend.at_cells[s],
                                     normals_.row(row).transpose(), deviation.row(row).transpose())
                            .transpose();
       }
     };
     parallel_blocks(samples_.size(), turn, context, 32);
-    const Columns step = smoothing_ * raw - deviation;
+    const Columns step = smoothed_functions_ * (cell_fit_ * raw) - deviation;
     deviation = mixing.next(deviation, step);
-    set_field(at_samples, deviation, result.coefficients);
+    set_field(blend, deviation, result.coefficients);
     ++result.iterations;
     const double area = areas.sum();
     result.change = area > 0 ? std::sqrt(sum_of_products(step, step) / area) : 0;
@@ -481,18 +465,17 @@ void ReducedField::local_steps(const std::vector<SampleMap>& at_samples,
 }
 
 /// Fits the functions to the field at the samples.
-void ReducedField::set_field(const std::vector<SampleMap>& at_samples, const Columns& deviation,
-                             Columns& coefficients) const {
-  // (F − I)ᵀ and (R W)ᵀ at the samples, column-major as the rows of the transposed matrices
-  using Maps = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
+void ReducedField::set_field(const Blend& blend, const Columns& deviation, Columns& coefficients) const {
+  // (F − I)ᵀ, and the change of (R W)ᵀ by the deviation, at the samples
   const auto count = static_cast<Eigen::Index>(samples_.size());
-  Maps maps(count, 9), shears(has_limbs() ? count : 0, 9);
+  Maps maps(count, 9), changes(has_limbs() ? count : 0, 9);
   for (Eigen::Index row = 0; row < count; ++row) {
-    const SampleMap& map = at_samples[static_cast<std::size_t>(row)];
+    const SampleMap& map = blend.at_samples[static_cast<std::size_t>(row)];
     const Eigen::Matrix3d rotation = rotation_exp(deviation.row(row).transpose()) * map.blended.rotation;
     Eigen::Map<Eigen::Matrix3d>(maps.row(row).data()) =
         rotation * map.blended.stretch - Eigen::Matrix3d::Identity();
-    if (has_limbs()) Eigen::Map<Eigen::Matrix3d>(shears.row(row).data()) = rotation * map.shear;
+    if (has_limbs())
+      Eigen::Map<Eigen::Matrix3d>(changes.row(row).data()) = (rotation - map.blended.rotation) * map.shear;
   }
   Maps given(static_cast<Eigen::Index>(handle_count_), 9);
   for (Eigen::Index h = 0; h < given.rows(); ++h)
@@ -505,7 +488,7 @@ void ReducedField::set_field(const std::vector<SampleMap>& at_samples, const Col
   };
   const std::size_t first = 8 * handle_count_;
   set_rows(first, fit_ * maps);
-  if (has_limbs()) set_rows(first + 3 * function_count(), twist_fit_ * shears);
+  if (has_limbs()) set_rows(first + 3 * function_count(), blend.twists + twists_.of_change(changes));
 }
 
 }  // namespace meshgraft

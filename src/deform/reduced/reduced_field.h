@@ -11,6 +11,7 @@
 #include "deform/solve/pose_matrix.h"
 #include "deform/solve/rotation_field.h"
 #include "linalg/sparse.h"
+#include "reduced_twists.h"
 
 namespace meshgraft {
 
@@ -34,7 +35,7 @@ class ReducedField {
   std::size_t width() const { return 8 * handle_count_ + 3 * (function_count() + twist_function_count()); }
   std::size_t centre_count() const { return centres_.size(); }
   std::size_t function_count() const { return centres_.size() + winding_count_; }
-  std::size_t twist_function_count() const { return has_limbs() ? twist_centre_count_ + winding_count_ : 0; }
+  std::size_t twist_function_count() const { return twists_.function_count(); }
 
   /// The known values and field that give the right-hand sides of some rows.
   struct Columnwise {
@@ -45,10 +46,11 @@ class ReducedField {
   /// linearly blended rows.
   Columnwise handle_sides(std::size_t number) const;
   /// Returns whether the surface has limbs or discs.
-  bool has_limbs() const { return !sample_limbs_.empty(); }
+  bool has_limbs() const { return !twists_.empty(); }
   const LimbTwist& limbs() const { return rotations_->limbs(); }  ///< must not be called after `finish`
   const Columns& weights() const { return weights_; }             ///< Returns the functions, patch × functions.
-  const Columns& twist_weights() const { return twist_weights_; }  ///< Returns those of the strain of twists.
+  /// Returns the functions of the strain of twists, which do not vanish where maps are given.
+  const Columns& twist_weights() const { return twists_.functions(); }
   /// Returns the matrix that computes means over cells of values with `rows_per_vertex` rows per vertex.
   SparseRows cell_mean_rows(int rows_per_vertex) const;
   /// Sets the means of the local maps that some of the `width()` rows cause, one per column.
@@ -60,7 +62,8 @@ class ReducedField {
   /// Returns the size of the matrices that frames need.
   std::int64_t memory_bytes() const {
     return static_cast<std::int64_t>(sizeof(double)) *
-           (maps_.size() + smoothing_.size() + fit_.size() + twist_fit_.size());
+               (smoothed_functions_.size() + cell_fit_.size() + fit_.size()) +
+           static_cast<std::int64_t>(sizeof(float)) * maps_.size() + twists_.memory_bytes();
   }
 
   struct Result {
@@ -79,23 +82,28 @@ class ReducedField {
   Columns winding_weights() const;
   void join_winding(const Eigen::Ref<const Columns>& of_centres, const Context& context);
   void reduce_smoothing(const Context& context);
+  std::vector<double> fit_weights() const;
+  Eigen::MatrixXd winding_penalty() const;
   void fit_loose_components();
-  void sample_limbs(SolverBackend backend, const Context& context);
-  struct Logs;
-  bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, Logs& logs) const;
-  BlendedMap blend(const Logs& logs, Eigen::Index row, const Columns& influence, Index component) const;
-  Eigen::Matrix3d shear_at(const Logs& logs, Eigen::Index row, const Columns& influence,
-                           const Eigen::Matrix3d& stretch) const;
-  Eigen::Matrix3d cell_map(std::size_t cell, const Columns& coefficients) const;
+  void reduce_twists(SolverBackend backend, const Context& context);
+  bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, BlendedLogs& logs) const;
+  using ShortCoefficients = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  ///< width() × 3
+  Eigen::Matrix3d cell_map(std::size_t cell, const ShortCoefficients& coefficients) const;
+  using Maps = ReducedTwists::Maps;
   /// The map that the handles alone give at a sample, without the strain of twists.
   struct SampleMap {
     BlendedMap blended;
     Eigen::Matrix3d shear = Eigen::Matrix3d::Zero();  ///< W of `twist_shear`
   };
-  void local_steps(const std::vector<SampleMap>& at_samples, const std::vector<BlendedMap>& at_cells,
-                   Result& result, const Context& context) const;
-  void set_field(const std::vector<SampleMap>& at_samples, const Columns& deviation,
-                 Columns& coefficients) const;
+  /// The maps that the handles alone give.
+  struct Blend {
+    std::vector<SampleMap> at_samples;
+    std::vector<BlendedMap> at_cells;  ///< with the strain of twists; empty without iterations
+    Maps twists;                       ///< the coefficients of (R W)ᵀ
+  };
+  Blend blend_of(const BlendedLogs& logs, const Context& context) const;
+  void local_steps(const Blend& blend, Result& result, const Context& context) const;
+  void set_field(const Blend& blend, const Columns& deviation, Columns& coefficients) const;
 
   // Used in the set-up only; null and empty afterwards.
   const ConstrainedSystem* system_;
@@ -107,14 +115,11 @@ class ReducedField {
   Columns given_;                       ///< patch × handles: 1 where the handle gives the map
   /// Patch × functions. φ of a centre is 1 there and 0 at the others and where maps are given.
   Columns weights_;
-  /// The same for the strain of twists. They do not vanish where maps are given. Empty without limbs.
-  Columns twist_weights_;
   Columns given_weights_;  ///< φ: patch × handles, 1 where the handle gives the map and 0 at the centres
   Columns blend_weights_;  ///< χ: patch × handles, the same without centres: the blend of logarithms
 
   // Used by frames.
   std::size_t handle_count_ = 0, winding_count_ = 0;
-  std::size_t twist_centre_count_ = 0;  ///< the first centres have functions of the strain of twists, too
   int iterations_ = 0;
   Flags gives_maps_;                           ///< per handle: it constrains transforms of the patch
   std::vector<double> given_areas_;            ///< per handle: area of the vertices whose map it gives
@@ -125,17 +130,14 @@ class ReducedField {
   Columns sample_influence_, cell_influence_;  ///< χ at samples, and its means over cells
   Columns sample_given_;                       ///< φ of handles at samples
   Eigen::MatrixXd fit_;                        ///< functions × samples: gives the coefficients of a field
-  // Empty without limbs.
-  std::vector<LimbPoint> sample_limbs_;
-  Columns sample_slopes_;                      ///< rates of χ along `LimbPoint::direction`
-  Eigen::MatrixXd twist_fit_;                  ///< twist functions × samples
-  std::vector<Eigen::Matrix3d> cell_strains_;  ///< per cell: mean of s (a × r) bᵀ
-  Columns smoothing_;                          ///< samples × cells: weights of the cells in the smoothed field
+  ReducedTwists twists_;                       ///< empty without limbs
+  Eigen::MatrixXd cell_fit_;                   ///< functions × cells: the same from means over cells
+  Columns smoothed_functions_;                 ///< samples × functions
   std::vector<double> areas_;                  ///< per cell
   Points normals_;                             ///< per cell: normal if maps are fitted to flat rings, else 0
   /// The columns of (M − I)ᵀ that `width()` rows cause, per cell. Each column is padded to four numbers, so
   /// that they are added at once.
-  Eigen::Matrix<double, 4, Eigen::Dynamic> maps_;
+  Eigen::Matrix<float, 4, Eigen::Dynamic> maps_;
   Columns base_maps_;  ///< 3 rows per cell: maps with all handles at rest
 };
 

@@ -36,14 +36,14 @@ class EdgeDistances {
   }
 
   /// Forgets all sources, and measures from now on in units that grow with the distance found so far: they
-  /// double up to the farthest vertex.
+  /// triple up to the farthest vertex.
   void grade() {
     double farthest = 0;
     for (const double distance : distance_)
       if (distance < unreached) farthest = std::max(farthest, distance);
     unit_.assign(distance_.size(), 1.0);
     for (std::size_t v = 0; v < distance_.size(); ++v)
-      if (farthest > 0) unit_[v] += std::min(distance_[v] / farthest, 1.0);
+      if (farthest > 0) unit_[v] += 2 * std::min(distance_[v] / farthest, 1.0);
     std::fill(distance_.begin(), distance_.end(), unreached);
   }
 

@@ -234,6 +234,10 @@ TwistRate twist_rate(const LimbPoint& at, const Eigen::Vector3d& turn, const Eig
   return {axis, share * share * rate * strain_share(is_on_disc(at), sheared)};
 }
 
+double twist_rate(const LimbPoint& at, double turning) {
+  return turning * strain_share(is_on_disc(at), std::abs(turning) * at.moment.norm());
+}
+
 Eigen::Matrix3d twist_shear(const LimbPoint& at, const TwistRate& twist, const Eigen::Matrix3d& stretch) {
   // m × a is s r without its part along the axis.
   const Eigen::Matrix3d shear = -cross_matrix(twist.axis) * stretch * cross_matrix(at.axis);

@@ -87,6 +87,10 @@ struct TwistRate {
 TwistRate twist_rate(const LimbPoint& at, const Eigen::Vector3d& turn, const Eigen::Vector3d& slope,
                      const Eigen::Matrix3d& reference, const Eigen::Matrix3d& stretch);
 
+/// Returns `TwistRate::rate` where sections turn about the axis alone, by `turning` radians per length, and
+/// nothing is stretched.
+double twist_rate(const LimbPoint& at, double turning);
+
 /// Returns the 3×3 matrix W with which a point that twists is strained: W m bᵀ, with m = s (a × r) and the
 /// direction b. It has W m = ω a′ × U r.
 Eigen::Matrix3d twist_shear(const LimbPoint& at, const TwistRate& twist, const Eigen::Matrix3d& stretch);

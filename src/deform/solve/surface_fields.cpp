@@ -284,17 +284,4 @@ Columns SurfaceFields::smooth(const Columns& values, const Columns& guess, const
   return fields;
 }
 
-void SurfaceFields::smoothing_kernels(std::span<const Index> vertices, Columns& scratch, Columns& kernels,
-                                      const Context& context) const {
-  const auto count = static_cast<Eigen::Index>(vertices.size());
-  scratch.setZero(static_cast<Eigen::Index>(free_.size()), count);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const Index vertex = vertices[static_cast<std::size_t>(k)];
-    scratch(std::ranges::lower_bound(free_, vertex) - free_.begin(), k) = 1;
-  }
-  smooth_solver_->solve_in_place(scratch, {.tolerance = solver_tolerance}, context);
-  kernels.setZero(static_cast<Eigen::Index>(areas_.size()), count);
-  for_vertices(free_, context, [&](Index v, Eigen::Index k) { kernels.row(v) = scratch.row(k); });
-}
-
 }  // namespace meshgraft

@@ -73,11 +73,6 @@ class SurfaceFields {
   /// 1e-7).
   Columns smooth(const Columns& values, const Columns& guess, const Context& context = {},
                  double tolerance = 0) const;
-  /// Writes the kernels g (n×k) of `smooth` at some vertices without given values:
-  /// smooth(f)(vertices[k]) = Σ_v areas()[v] g(v, k) f(v). Calls of the same size reuse the memory of `scratch`
-  /// and `kernels`.
-  void smoothing_kernels(std::span<const Index> vertices, Columns& scratch, Columns& kernels,
-                         const Context& context) const;
 
   const std::vector<double>& areas() const { return areas_; }
   /// Return the connected component of each vertex (-1 for isolated ones), and whether it has given values.
