@@ -10,6 +10,7 @@
 #include "deform/solve/anderson_mixing.h"
 #include "deform/solve/rotations.h"
 #include "linalg/sparse.h"
+#include "short_number.h"
 #include "surface_samples.h"
 #include "winding.h"
 
@@ -325,7 +326,9 @@ void ReducedField::set_maps(std::span<const std::size_t> rows, const Columns& me
   for (std::size_t s = 0; s < samples_.size(); ++s)
     for (std::size_t c = 0; c < rows.size(); ++c)
       maps_.topRows<3>().col(static_cast<Eigen::Index>(s * width() + rows[c])) =
-          means.col(static_cast<Eigen::Index>(c)).segment<3>(static_cast<Eigen::Index>(3 * s)).cast<float>();
+          means.col(static_cast<Eigen::Index>(c))
+              .segment<3>(static_cast<Eigen::Index>(3 * s))
+              .unaryExpr(&short_number);
 }
 
 void ReducedField::finish() {
@@ -443,7 +446,7 @@ void ReducedField::local_steps(const Blend& blend, Result& result, const Context
   AndersonMixing mixing(sum_of_products);
   Columns deviation = Columns::Zero(count, 3), raw(count, 3);
   while (result.iterations < iterations_) {
-    const ShortCoefficients coefficients = result.coefficients.cast<float>();
+    const ShortCoefficients coefficients = result.coefficients.unaryExpr(&short_number);
     const auto turn = [&](std::size_t begin, std::size_t end) {
       for (std::size_t s = begin; s < end; ++s) {
         const auto row = static_cast<Eigen::Index>(s);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "short_number.h"
 
 namespace meshgraft {
 
@@ -20,7 +21,7 @@ void ResponseColumns::set(std::span<const std::size_t> columns, const Columns& v
     for (std::size_t k = begin; k < end; ++k)
       for (std::size_t c = 0; c < columns.size(); ++c)
         values_[(k / lanes * columns_ + columns[c]) * lanes + k % lanes] =
-            static_cast<float>(values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(c)));
+            short_number(values(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(c)));
   };
   parallel_blocks(vertices_.size(), set_rows, context, 1024);
 }
@@ -29,8 +30,7 @@ void ResponseColumns::place(const Columns& coefficients, double scale, const Poi
                             const Context& context) const {
   const std::size_t blocks = block_count();
   std::vector<float> numbers;
-  for (const double number : coefficients.reshaped<Eigen::RowMajor>())
-    numbers.push_back(static_cast<float>(number));
+  for (const double number : coefficients.reshaped<Eigen::RowMajor>()) numbers.push_back(short_number(number));
   const auto run = [&](std::size_t begin, std::size_t end) {
     // The range holds the block's vertices and all others up to the next block's first vertex.
     const Eigen::Index from = begin == 0 ? 0 : vertices_[begin * lanes];
