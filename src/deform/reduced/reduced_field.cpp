@@ -10,7 +10,7 @@
 #include "deform/solve/anderson_mixing.h"
 #include "deform/solve/rotations.h"
 #include "linalg/sparse.h"
-#include "short_number.h"
+#include "short_numbers.h"
 #include "surface_samples.h"
 #include "winding.h"
 
@@ -208,17 +208,15 @@ Eigen::MatrixXd ReducedField::winding_penalty() const {
 /// each cell would be too rough: frames of a bumpy sheet would be off by seven times as much.
 void ReducedField::reduce_smoothing(const Context& context) {
   constexpr Eigen::Index at_once = 32;
-  const SparseRows cells = cell_mean_rows(1);
-  const auto count = static_cast<Eigen::Index>(samples_.size());
-  Columns means(count, weights_.cols()), functions;
-  smoothed_functions_.resize(count, weights_.cols());
+  const Columns means = multiply(cell_mean_rows(1), weights_, context);
+  Columns functions;
+  smoothed_functions_.resize(means.rows(), means.cols());
   for (Eigen::Index first = 0; first < weights_.cols(); first += at_once) {
     const Eigen::Index width = std::min(at_once, weights_.cols() - first);
     functions.resize(weights_.rows(), width);
     for_rows(functions.rows(), context, [&](Eigen::Index row, Eigen::Index rows) {
       functions.middleRows(row, rows) = weights_.block(row, first, rows, width);
     });
-    means.middleCols(first, width) = multiply(cells, functions, context);
     smoothed_functions_.middleCols(first, width) =
         rotations_->fields().smooth(functions, functions, context)(samples_, Eigen::all);
     context.throw_if_stopped();
@@ -413,26 +411,10 @@ ReducedField::Blend ReducedField::blend_of(const BlendedLogs& logs, const Contex
 
 /// Returns (M − I)ᵀ of a cell without the part that anchors' targets cause.
 Eigen::Matrix3d ReducedField::cell_map(std::size_t cell, const ShortCoefficients& coefficients) const {
-  using Lanes = Eigen::Array4f;
-  constexpr Eigen::Index short_sum = 32;  // terms summed in single precision before rounding matters
-  Eigen::Array4d total[3] = {Eigen::Array4d::Zero(), Eigen::Array4d::Zero(), Eigen::Array4d::Zero()};
-  const float* column = maps_.data() + 4 * cell * width();
-  const float* coefficient = coefficients.data();
-  for (Eigen::Index first = 0; first < coefficients.rows(); first += short_sum) {
-    Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
-    for (Eigen::Index row = first; row < std::min(coefficients.rows(), first + short_sum);
-         ++row, column += 4, coefficient += 3) {
-      const Eigen::Map<const Lanes> numbers(column);
-      x += numbers * coefficient[0];
-      y += numbers * coefficient[1];
-      z += numbers * coefficient[2];
-    }
-    total[0] += x.cast<double>();
-    total[1] += y.cast<double>();
-    total[2] += z.cast<double>();
-  }
+  const auto sums =
+      sums_of_products<4>(maps_.data() + 4 * cell * width(), coefficients.data(), coefficients.rows());
   Eigen::Matrix3d map;
-  map << total[0].head<3>(), total[1].head<3>(), total[2].head<3>();
+  map << sums[0].head<3>(), sums[1].head<3>(), sums[2].head<3>();
   return map;
 }
 

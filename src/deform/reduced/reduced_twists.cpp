@@ -106,7 +106,7 @@ void ReducedTwists::fit(const SampledSurface& surface, const Eigen::VectorXd& we
   const double share = 1 / static_cast<double>(points.size());
   Eigen::MatrixXd penalty;
   if (count > smooth_count) {
-    // Where strain begins abruptly, the smooth functions would swing between the samples. Components are as
+    // The smooth functions would swing between the samples where strain begins abruptly. Components are as
     // large as their shares in the strains, so that the smallest ones are hardly used. Of both penalties, ten
     // times as much or as little does as well.
     constexpr double of_smooth_functions = 1e-2, of_components = 1e-6;

@@ -10,7 +10,7 @@
 
 namespace meshgraft {
 
-/// What determines the strain of twists at some points.
+/// Points, and all that determines the strain of twists there.
 struct TwistPoints {
   std::vector<LimbPoint> limbs;
   Columns influence;  ///< points × handles: the weights by which the handles' logarithms are blended

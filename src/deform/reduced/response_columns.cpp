@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "short_number.h"
+#include "short_numbers.h"
 
 namespace meshgraft {
 
@@ -46,30 +46,13 @@ void ResponseColumns::place(const Columns& coefficients, double scale, const Poi
 
 void ResponseColumns::place_block(std::size_t block, const std::vector<float>& coefficients, double scale,
                                   PointsRef positions) const {
-  using Lanes = Eigen::Array<float, lanes, 1>;
-  using Sums = Eigen::Array<double, lanes, 1>;
-  constexpr std::size_t short_sum = 32;  // terms summed in single precision before rounding matters
-  Sums total[3] = {Sums::Zero(), Sums::Zero(), Sums::Zero()};
-  const float* value = values_.get() + block * columns_ * lanes;
-  const float* coefficient = coefficients.data();
-  for (std::size_t first = 0; first < columns_; first += short_sum) {
-    Lanes x = Lanes::Zero(), y = Lanes::Zero(), z = Lanes::Zero();
-    for (std::size_t c = first; c < std::min(columns_, first + short_sum);
-         ++c, value += lanes, coefficient += 3) {
-      const Eigen::Map<const Lanes> column(value);
-      x += column * coefficient[0];
-      y += column * coefficient[1];
-      z += column * coefficient[2];
-    }
-    total[0] += x.cast<double>();
-    total[1] += y.cast<double>();
-    total[2] += z.cast<double>();
-  }
+  const auto sums = sums_of_products<lanes>(values_.get() + block * columns_ * lanes, coefficients.data(),
+                                            static_cast<Eigen::Index>(columns_));
   const std::size_t count = std::min(lanes, vertices_.size() - block * lanes);
   for (std::size_t lane = 0; lane < count; ++lane) {
     const auto at = static_cast<Eigen::Index>(lane);
     positions.row(vertices_[block * lanes + lane]) +=
-        scale * Eigen::RowVector3d(total[0][at], total[1][at], total[2][at]);
+        scale * Eigen::RowVector3d(sums[0][at], sums[1][at], sums[2][at]);
   }
 }
 
