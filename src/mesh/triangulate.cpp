@@ -231,7 +231,6 @@ class EarClip {
 };
 
 std::vector<Corners> split(const std::vector<Index>& face, const Points& positions) {
-  if (face.size() == 3) return {{0, 1, 2}};
   std::vector<Corners> triangles;
   const Polygon polygon = project(face, positions);
   if (polygon.empty()) {
@@ -264,22 +263,25 @@ void drop_repeats(std::span<const Index> face, std::vector<Index>& out) {
 }  // namespace
 
 Triangulation triangulate(const Mesh& mesh, const TriangulateOptions& options) {
-  std::vector<Corners> triangles;
+  std::size_t most = 0;
+  for (Index f = 0; f < mesh.face_count(); ++f) most += std::max<std::size_t>(mesh.faces[f].size(), 2) - 2;
   Triangulation result;
+  result.triangles.resize(static_cast<Eigen::Index>(most), 3);
+  result.face.reserve(most);
   std::vector<Index> face;
+  const auto add = [&](Index f, const Corners& corners) {
+    const auto row = static_cast<Eigen::Index>(result.face.size());
+    for (int c = 0; c < 3; ++c) result.triangles(row, c) = face[corners[static_cast<std::size_t>(c)]];
+    result.face.push_back(f);
+  };
   for (Index f = 0; f < mesh.face_count(); ++f) {
     if (!refers_to_vertices(mesh, f, options)) continue;
     drop_repeats(mesh.faces[f], face);
-    if (face.size() < 3) continue;
-    for (const Corners& corners : split(face, mesh.positions)) {
-      triangles.push_back({face[corners[0]], face[corners[1]], face[corners[2]]});
-      result.face.push_back(f);
-    }
+    if (face.size() == 3) add(f, {0, 1, 2});
+    if (face.size() <= 3) continue;
+    for (const Corners& corners : split(face, mesh.positions)) add(f, corners);
   }
-  result.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (int c = 0; c < 3; ++c) result.triangles(static_cast<Eigen::Index>(t), c) = triangles[t][c];
-  }
+  result.triangles.conservativeResize(static_cast<Eigen::Index>(result.face.size()), Eigen::NoChange);
   return result;
 }
 
