@@ -88,7 +88,7 @@ void look_at_change(render::Camera& camera, std::span<const Mesh* const> meshes,
                     const Context& context) {
   if (view.from.empty())
     camera.from_direction = render::direction_to_change(*meshes.front(), *meshes.back(), camera.up, context);
-  const Eigen::AlignedBox3d box = render::box_of_change(meshes);
+  const Eigen::AlignedBox3d box = render::box_of_change(meshes, context);
   camera.low = box.min();
   camera.high = box.max();
 }

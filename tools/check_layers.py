@@ -77,8 +77,8 @@ ROOMS = {
 # Header of a layer: the rooms below it, which must not include it.
 FACADES = {"include/meshgraft/deform/deformer.h": {"deform/setup", "deform/solve"}}
 
-# Headers, and folders of them, that only one source file may include (of a folder, one of each layer): they stand
-# behind one of our own interfaces.
+# Headers, and folders of them, that only one source file of a layer may include: they stand behind one of our own
+# interfaces.
 SINGLE_USE = {"camd.h", "meshoptimizer.h", "metis.h", "nanoflann.hpp", "CGAL", "boost"}
 
 SOURCE_SUFFIXES = {".h", ".hpp", ".cpp"}
@@ -197,8 +197,7 @@ def check(root):
             place = f"{source}:{number}"
             name = match[2]
             for single in SINGLE_USE.intersection((Path(name).parts[0], Path(name).name)):
-                group = "" if single.endswith(".h") else layer
-                single_users.setdefault((single, group), {})[source] = place
+                single_users.setdefault((single, layer), {})[source] = place
                 if source.parts[0] == "include":
                     problems.append(f"{place}: a public header includes {name}")
             included = find_included(root, source, match[1], name)
@@ -215,7 +214,7 @@ def check(root):
                 problems.append(f"{place}: {layer} must not use {used} ({name})")
     for (header, _), users in sorted(single_users.items()):
         if len(users) > 1:
-            problems.append(f"{header} is included by {len(users)} files, one is allowed: {', '.join(users.values())}")
+            problems.append(f"{header} is included by {len(users)} files of a layer, one is allowed: {', '.join(users.values())}")
     return problems
 
 

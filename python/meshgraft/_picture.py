@@ -33,7 +33,7 @@ class Picture(np.ndarray[Any, np.dtype[np.uint8]]):
 
 def picture(*meshes: Any, colours: Sequence[ArrayLike | None] | None = None, beside: bool = False,
             captions: Sequence[str] = (), width: int = 900, height: int = 675, look_from: ArrayLike | None = None,
-            up: ArrayLike | str | None = None, bounds: ArrayLike | None = None, samples: int = 4, occlusion_rays: int = 8,
+            up: ArrayLike | str | None = None, bounds: ArrayLike | None = None, samples: int = 4, occlusion_rays: int = 16,
             smooth: bool = True, crease_angle_deg: float = 40.0, wireframe: bool = False, ground: bool = True,
             field_of_view_deg: float = 26.0, threads: int = 0, progress: Progress = None) -> Picture:
     """Draws meshes as clay under a light, in one picture or each in its own (`beside`), all with one camera.
@@ -41,7 +41,9 @@ def picture(*meshes: Any, colours: Sequence[ArrayLike | None] | None = None, bes
     `colours`: per mesh an array (n, 3), linear 0 ... 1, or None for its attribute "colour". `look_from`: the direction
     towards the camera; by default (0.5, -1, 0.35) where z is up. `up`: by default the axis that is up in the first mesh:
     what its file says, else y or z by the file's format; z for samples and arrays. `bounds`: the box that is shown,
-    (2, 3); by default all meshes. `captions`: below pictures that stand beside each other.
+    (2, 3); by default all meshes. `samples`: per pixel, rounded down to a square. `occlusion_rays`: for the light on the
+    surface in every second pixel in both directions; more of them make smoother shadows. `captions`: below pictures that
+    stand beside each other.
     """
     if not meshes:
         raise ValueError("picture: expected at least one mesh")

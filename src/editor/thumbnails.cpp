@@ -53,7 +53,6 @@ std::vector<std::uint8_t> picture_of(const Mesh& mesh, int size, const Context& 
   const std::array shapes{render::Shape{&mesh, render::vertex_colours(mesh)}};
   render::RenderOptions options;
   options.width = options.height = size;
-  options.occlusion_rays = 8;
   options.transparent = true;
   const Orientation orientation = shown_orientation(mesh);
   options.camera.up = orientation.up;

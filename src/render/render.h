@@ -33,10 +33,13 @@ struct Camera {
 struct RenderOptions {
   int width = 1200, height = 900;
   Camera camera;
-  int samples = 4;          ///< camera rays per pixel; rounded down to a square
-  int occlusion_rays = 16;  ///< ambient-occlusion rays per pixel
-  /// Traces one camera ray, two occlusion rays and one ray to the light in pixels that show the same smooth
-  /// surface as the pixels around them. `samples` and `occlusion_rays` then hold for the other pixels.
+  int samples = 4;  ///< per pixel; rounded down to a square
+  /// Ambient-occlusion rays from the surface in every second pixel in both directions, and from samples with
+  /// none of these near them. At least one.
+  int occlusion_rays = 16;
+  /// Takes one sample in pixels that show the same smooth surface as the pixels around them, and traces only
+  /// four occlusion rays and one ray to the light in every second pixel. `samples` and `occlusion_rays` then
+  /// hold for what differs from its surroundings.
   bool sparse = false;
   bool smooth = true;  ///< interpolate vertex normals across edges flatter than `crease_angle_deg`
   double crease_angle_deg = 40.0;
@@ -46,7 +49,7 @@ struct RenderOptions {
   bool transparent = false;
 };
 
-/// A ray-traced picture, 8-bit sRGB, height×width×3.
+/// A picture, 8-bit sRGB, height×width×3.
 struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t> pixels;
@@ -57,9 +60,10 @@ struct Image {
 /// Returns the mesh's vertex attribute "colour" as linear n×3, or an empty array without one.
 Points vertex_colours(const Mesh& mesh);
 
-/// Renders the shapes as clay under a key and a fill light, with ambient occlusion. The same input gives the
-/// same bytes for any number of threads. Throws Error(usage) for an empty picture or a camera without
-/// direction, Error(input) for shapes without a face or with colours of another size, and Error(cancelled).
+/// Renders the shapes as clay under a key and a fill light, with ambient occlusion. A visibility buffer tells
+/// what each sample shows; the light there comes from rays. The same input gives the same bytes for any number
+/// of threads. Throws Error(usage) for an empty picture or a camera without direction, Error(input) for shapes
+/// without a face or with colours of another size, and Error(cancelled).
 Image render(std::span<const Shape> shapes, const RenderOptions& options = {}, const Context& context = {});
 
 /// Places images side by side with equal heights and optional captions below (printable ASCII). Gaps are

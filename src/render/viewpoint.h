@@ -28,7 +28,7 @@ Eigen::AlignedBox3d box_of(std::span<const Mesh* const> meshes);
 /// Returns the box of the faces that the first mesh does not share with another one, with a margin of half its
 /// longest side. Returns the box of all meshes if the diagonal of the former is above 40 % of the latter's, or
 /// if all faces are shared. A face is shared if its corners are at the same positions.
-Eigen::AlignedBox3d box_of_change(std::span<const Mesh* const> meshes);
+Eigen::AlignedBox3d box_of_change(std::span<const Mesh* const> meshes, const Context& context = {});
 
 /// Returns the direction towards the eye from which most of what differs between two meshes is seen on `after`.
 /// It is `usual_direction` unless another one shows clearly more.

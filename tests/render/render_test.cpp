@@ -3,6 +3,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,8 @@
 
 #include <meshgraft/core/error.h>
 #include <meshgraft/samples/samples.h>
+
+#include "mesh/shapes.h"
 
 namespace meshgraft::render {
 namespace {
@@ -90,6 +94,60 @@ TEST(Render, IsNearlyTheSameWithSparseRays) {
     one.threads = 1;
     EXPECT_EQ(render({&shape, 1}, options, one).pixels, sparse.pixels);
   }
+}
+
+TEST(Render, IsNearlyTheSameForSmallAndTinyTriangles) {
+  // Light on the finer one comes from a coarser surface.
+  const Mesh small = make_sample("torus", 120), tiny = make_sample("torus", 600);
+  ASSERT_GT(tiny.face_count(), 500'000);
+  RenderOptions options = small_picture();
+  options.width *= 4;
+  options.height *= 4;
+  const Shape of_small{&small, {}}, of_tiny{&tiny, {}};
+  const Image expected = render({&of_small, 1}, options), image = render({&of_tiny, 1}, options);
+  double sum = 0;
+  for (std::size_t k = 0; k < image.pixels.size(); ++k)
+    sum += std::abs(int{expected.pixels[k]} - int{image.pixels[k]});
+  EXPECT_LT(sum / static_cast<double>(image.pixels.size()), 0.5);
+}
+
+TEST(Render, ThinPartsOfLargeMeshesCastShadowsInSmallPictures) {
+  const auto thin_hoop = [](int columns, int rows) {
+    return shapes::sheet({.columns = columns, .rows = rows, .close_columns = true}, [](double u, double v) {
+      const double around = 2 * std::numbers::pi * u, across = 2 * std::numbers::pi * v;
+      const double radius = 1 + 0.04 * std::cos(across);
+      return Eigen::Vector3d(radius * std::cos(around), radius * std::sin(around), 0.04 * std::sin(across));
+    });
+  };
+  const Mesh small = thin_hoop(300, 30), tiny = thin_hoop(3000, 100);
+  ASSERT_GT(2 * tiny.face_count(), 500'000) << "of two triangles each";
+  const Shape of_small{&small, {}}, of_tiny{&tiny, {}};
+  const Image expected = render({&of_small, 1}, small_picture()),
+              image = render({&of_tiny, 1}, small_picture());
+  double brighter = 0;
+  for (std::size_t k = 0; k < image.pixels.size(); ++k)
+    brighter += int{image.pixels[k]} - int{expected.pixels[k]};
+  EXPECT_NEAR(brighter / static_cast<double>(image.pixels.size()), 0.0, 0.1);
+}
+
+TEST(Render, IsFacetedWithoutSmoothNormals) {
+  const Mesh mesh = make_sample("torus", 12);
+  const Shape shape{&mesh, {}};
+  RenderOptions options = small_picture();
+  const auto colours = [&] {
+    const Image image = render({&shape, 1}, options);
+    std::set<int> reds;
+    for (int x = 0; x < image.width; ++x) reds.insert(pixel(image, x, 45)[0]);
+    return reds.size();
+  };
+  options.occlusion_rays = 64;
+  options.crease_angle_deg = 180;
+  const std::size_t smooth = colours();
+  options.crease_angle_deg = 0;
+  const std::size_t creased = colours();
+  options.smooth = false;
+  EXPECT_LT(colours(), 0.8 * static_cast<double>(smooth));
+  EXPECT_EQ(colours(), creased);
 }
 
 TEST(Render, ShowsColours) {
