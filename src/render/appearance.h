@@ -9,7 +9,8 @@ struct Light {
   float open = 0.0f, key = 0.0f;
 };
 
-/// What a sample of a picture shows. Its colour is plain + open·by_open + key·by_key.
+/// The surface, ground or background that a sample of a picture shows. The colour is plain + open·by_open +
+/// key·by_key.
 struct Appearance {
   Vec3 plain = Vec3::Zero(), by_open = Vec3::Zero(), by_key = Vec3::Zero();
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();

@@ -138,7 +138,7 @@ class PngWriter {
   /// Returns whether it succeeded; `reason` says why not.
   bool write(int width, int height, int colour_type, const std::vector<std::uint8_t>& pixels) {
     if (!info_) return false;
-    // All that the pixels, a byte of filter per row and the chunks can take, so that `append` never throws.
+    // Suffices for the pixels, a byte of filter per row and the chunks, so that `append` never throws.
     bytes_.reserve(pixels.size() + pixels.size() / 8 + 2 * static_cast<std::size_t>(height) + 4096);
     if (setjmp(png_jmpbuf(png_)) != 0) return false;  // libpng jumps here on an error
     png_set_write_fn(png_, &bytes_, append, [](png_structp) {});

@@ -82,7 +82,7 @@ void LightGrid::for_each_point(const Context& context, Body body) const {
 
 void LightGrid::trace(const std::vector<Appearance>& looks, const LightRays& rays, int to_sky, int to_key,
                       const Context& context) {
-  // Where rays are few, the points of a square share them.
+  // The points of a square share a set of rays if these are few.
   constexpr int enough = 16;
   const int side = to_sky < enough ? 4 : 1, squares = (columns_ + side - 1) / side;
   for_each_point(context, [&](int column, int row) {

@@ -11,7 +11,7 @@
 
 namespace meshgraft::render {
 
-/// Which rays measure the light at a point. A set of points shares low-discrepancy sequences (the plastic
+/// The rays that measure the light at a point. A set of points shares low-discrepancy sequences (the plastic
 /// sequence, Roberts 2018), shifted at random, and each point has a part of them: its rays are the `number`-th
 /// ones. So the rays are even over the hemisphere and the key light, and differ between sets.
 struct RaySet {
@@ -25,7 +25,7 @@ class LightRays {
   LightRays(const std::vector<Vec3>& points, const Triangles& triangles, const View& view,
             const Context& context);
 
-  /// How far above a surface rays begin.
+  /// Returns the height above a surface at which rays begin.
   float lift() const { return lift_; }
 
   Light light_at(const Appearance& sample, const RaySet& rays) const;

@@ -1,5 +1,6 @@
 #include "occluders.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>

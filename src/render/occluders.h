@@ -9,8 +9,8 @@
 
 namespace meshgraft::render {
 
-/// The triangles that can block a ray, and how far above a surface rays begin so that it does not block them
-/// itself.
+/// The triangles that can block a ray, and the height above a surface at which rays begin, so that it does not
+/// block them itself.
 struct Occluders {
   std::vector<RayTriangle> triangles;
   float lift;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -13,7 +12,7 @@ namespace meshgraft::render {
 /// Tells what samples of a picture show: clay or colours, the ground, and the background.
 class Painter {
  public:
-  /// `lift` is how far above surfaces the points of samples lie.
+  /// `lift` is the height of the points of samples above surfaces.
   Painter(const Scene& scene, const std::vector<Vec3>& points, const CornerNormals& normals, const View& view,
           const RenderOptions& options, float lift)
       : scene_(scene), points_(points), normals_(normals), view_(view), options_(options), lift_(lift) {}

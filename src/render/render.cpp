@@ -170,12 +170,12 @@ class Renderer {
       std::copy(chosen.begin() + static_cast<std::ptrdiff_t>(begin),
                 chosen.begin() + static_cast<std::ptrdiff_t>(end),
                 in_band.begin() + static_cast<std::ptrdiff_t>(begin));
-      draw(Samples(options_.width, options_.height, side, in_band));
+      draw_band(Samples(options_.width, options_.height, side, in_band));
       context_.step("render", 0.6 + 0.4 * static_cast<double>(end) / static_cast<double>(chosen.size()));
     }
   }
 
-  void draw(const Samples& samples) {
+  void draw_band(const Samples& samples) {
     const std::vector<std::uint32_t> seen = seen_by(samples);
     for_each_pixel(options_, context_, [&](int x, int y) {
       const std::size_t pixel = samples.pixel(x, y), first = samples.first(pixel);
@@ -183,8 +183,7 @@ class Renderer {
       Vec3 colour = Vec3::Zero();
       float cover = 0.0f;
       for (std::size_t s = 0; s < samples.per_pixel(); ++s) {
-        const Eigen::Vector2f place =
-            samples.place(pixel, s) + Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y));
+        const Eigen::Vector2f place = samples.place(x, y, s);
         const Appearance look = painter_.at(place.x(), place.y(), seen[first + s]);
         const auto light = light_at(place.x(), place.y(), look);
         const auto set = static_cast<std::uint32_t>(pixel), number = static_cast<std::uint32_t>(s);

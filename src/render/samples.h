@@ -55,6 +55,11 @@ class Samples {
   std::size_t first(std::size_t pixel) const { return in_the_middle() ? pixel : first_[pixel]; }
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
+  /// Returns the place of a sample of pixel (x, y) in the picture, in pixels.
+  Eigen::Vector2f place(int x, int y, std::size_t sample) const {
+    return place(pixel(x, y), sample) + Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y));
+  }
+
   /// Returns the place of a pixel's sample in the pixel, from (0, 0) to (1, 1).
   Eigen::Vector2f place(std::size_t pixel, std::size_t sample) const {
     if (in_the_middle()) return {0.5f, 0.5f};

@@ -15,17 +15,11 @@
 #include "mesh/ray_tracer.h"
 #include "mesh/up_axis.h"
 #include "occluders.h"
+#include "random.h"
 
 namespace meshgraft::render {
 
 namespace {
-
-// Scatters the bits of a number (the finaliser of splitmix64).
-std::uint64_t scattered(std::uint64_t bits) {
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
-}
 
 // Returns a hash per face of the positions of its corners, in whatever order.
 std::vector<std::uint64_t> face_hashes(const Mesh& mesh) {

@@ -122,11 +122,10 @@ std::vector<std::uint32_t> visible_triangles(const std::vector<Vec3>& points, co
     for (int y = rows.begin; y < rows.end; ++y) {
       const PixelRange columns = outline.columns(y, samples);
       for (int x = columns.begin; x < columns.end; ++x) {
-        const std::size_t pixel = samples.pixel(x, y), first = samples.first(pixel);
+        const std::size_t first = samples.first(samples.pixel(x, y));
         if (first == Samples::none) continue;
         for (std::size_t s = 0; s < samples.per_pixel(); ++s) {
-          const Eigen::Vector2f place =
-              samples.place(pixel, s) + Eigen::Vector2f(static_cast<float>(x), static_cast<float>(y));
+          const Eigen::Vector2f place = samples.place(x, y, s);
           const Eigen::Vector3d direction = view.direction_to(place.x(), place.y());
           if (!triangle.is_met(direction)) continue;
           const auto depth = static_cast<float>(triangle.depth(direction));

@@ -95,7 +95,9 @@ TEST(SeenTriangle, WeightsGiveThePointThatADirectionMeets) {
   for (const Vec3& expected : {Vec3(0.5f, 0.4f, 0.1f), Vec3(0.1f, 0.8f, 0.1f), Vec3(1, 0, 0)}) {
     const Vec3 point = expected[0] * a + expected[1] * b + expected[2] * c;
     const Eigen::Vector3d direction = point.cast<double>() / -static_cast<double>(point.z());
-    if (expected[0] < 1) EXPECT_TRUE(triangle.is_met(direction));
+    if (expected[0] < 1) {
+      EXPECT_TRUE(triangle.is_met(direction));
+    }
     EXPECT_TRUE(triangle.weights(direction).isApprox(expected, 1e-5f)) << expected.transpose();
     EXPECT_NEAR(triangle.depth(direction), -point.z(), 1e-5);
   }
