@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "deform/solve/anderson_mixing.h"
 #include "deform/solve/rotations.h"
+#include "deform/solve/vertex_solver.h"
 #include "linalg/sparse.h"
 #include "short_numbers.h"
 #include "surface_samples.h"
@@ -57,7 +58,7 @@ ReducedField::ReducedField(const ConstrainedSystem& system, const RotationField&
   context.throw_if_stopped();
   fit_loose_components();
   context.throw_if_stopped();
-  if (!rotations.limbs().empty()) reduce_twists(options.backend, context);
+  if (!rotations.limbs().empty()) reduce_twists(context);
   context.throw_if_stopped();
   maps_.setZero(4, static_cast<Eigen::Index>(samples_.size() * width()));
   base_maps_ = Columns::Zero(3 * static_cast<Eigen::Index>(samples_.size()), 3);
@@ -258,21 +259,29 @@ void ReducedField::fit_loose_components() {
   std::transform(samples_.begin(), samples_.end(), std::back_inserter(sample_component_), loose);
 }
 
-/// Prepares the strain of twists: its smooth functions are those of the first centres.
-void ReducedField::reduce_twists(SolverBackend backend, const Context& context) {
-  const FieldSurface surface = field_surface(*system_);
-  Flags at_centres(system_->mask().transform.size(), 0);
+/// Returns the functions of the first centres alone: 1 at their own one and 0 at the others of them. Such a
+/// function is known when its values at the other centres are, and those of least ∫ |Δφ|² leave no force there.
+Columns ReducedField::functions_of_first_centres(std::size_t count, const Context& context) const {
+  const auto all = static_cast<Eigen::Index>(centres_.size()), first = static_cast<Eigen::Index>(count);
+  if (all == first) return weights_.leftCols(all);
+  const std::vector<Index> others(centres_.begin() + first, centres_.end());
+  const SparseRows energy = select_rows(rotations_->fields().bending()->matrix, others, context);
+  const Columns forces = multiply(energy, weights_.leftCols(all), context);
+  const Columns values =
+      -forces.rightCols(all - first).completeOrthogonalDecomposition().solve(forces.leftCols(first));
+  Columns functions(weights_.rows(), first);
+  for_rows(functions.rows(), context, [&](Eigen::Index row, Eigen::Index rows) {
+    const auto of_all = weights_.middleRows(row, rows);
+    functions.middleRows(row, rows) = of_all.leftCols(first) + of_all.middleCols(first, all - first) * values;
+  });
+  return functions;
+}
+
+/// Prepares the strain of twists. Its smooth functions are those of the first centres, which vanish where maps
+/// are given. So does the change of the strain by the iterations, which they serve.
+void ReducedField::reduce_twists(const Context& context) {
   const std::size_t count =
       winding_count_ == 0 ? centres_.size() : std::max<std::size_t>(1, centres_.size() / 2);
-  Columns values = Columns::Zero(system_->patch().size(), static_cast<Eigen::Index>(count));
-  for (std::size_t k = 0; k < count; ++k) {
-    values(centres_[k], static_cast<Eigen::Index>(k)) = 1;
-    at_centres[centres_[k]] = 1;
-  }
-  // Another system's bending matrix would be wrong where a shared patch is larger.
-  const auto bending = std::make_shared<const BendingMatrix>(surface, context);
-  const SurfaceFields beyond_centres(
-      surface, at_centres, bending, {.bending_length_rel = {}, .backend = backend, .corrects = false}, context);
   // Chosen: 30 are no better than 20.
   constexpr std::size_t most_components = 20, fewest_components = 3;
   const std::size_t components =
@@ -281,8 +290,8 @@ void ReducedField::reduce_twists(SolverBackend backend, const Context& context) 
   twists_ = ReducedTwists(
       rotations_->limbs(),
       {samples_, cell_, fields.areas(), fields.component(), areas_, blend_weights_, cell_influence_},
-      beyond_centres.spread(std::move(values), context), winding_handles_,
-      static_cast<Eigen::Index>(components), context);
+      functions_of_first_centres(count, context), winding_handles_, static_cast<Eigen::Index>(components),
+      context);
 }
 
 /// Returns the matrix of means over the cells, with `rows_per_vertex` rows per cell.

@@ -85,7 +85,8 @@ class ReducedField {
   std::vector<double> fit_weights() const;
   Eigen::MatrixXd winding_penalty() const;
   void fit_loose_components();
-  void reduce_twists(SolverBackend backend, const Context& context);
+  Columns functions_of_first_centres(std::size_t count, const Context& context) const;
+  void reduce_twists(const Context& context);
   bool handle_logs(std::span<const HandlePose> poses, const Columns& frames, BlendedLogs& logs) const;
   using ShortCoefficients = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  ///< width() × 3
   Eigen::Matrix3d cell_map(std::size_t cell, const ShortCoefficients& coefficients) const;

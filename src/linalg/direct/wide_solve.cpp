@@ -46,6 +46,11 @@ struct Strip {
   MESHGRAFT_INLINE double* row_of(double* x, int r) const {
     return x + static_cast<std::int64_t>(r) * wide_columns;
   }
+  /// Returns the strip that lies `by` columns further on. It may lie outside of the panel: it is only prefetched,
+  /// because the runs are too short for the hardware prefetcher.
+  MESHGRAFT_INLINE const double* strip_further(int by) const {
+    return panel + static_cast<std::int64_t>(first + by) * rows;
+  }
 };
 
 template <int lanes, int vectors, int columns>
@@ -57,7 +62,9 @@ MESHGRAFT_INLINE void solve_wide_strip(const Strip& l, double* x) {
     y[q].scale(1 / l.at(l.first + q, q));
     y[q].write(l.row_of(x, l.first + q));
   }
+  const double* const next = l.strip_further(columns);
   for (int r = l.first + columns; r < l.rows; ++r) {
+    __builtin_prefetch(next + columns * (r - l.first));
     Row<lanes, vectors> row;
     row.read(l.row_of(x, r));
     for (int q = 0; q < columns; ++q) row.subtract(l.at(r, q), y[q]);
@@ -69,7 +76,9 @@ template <int lanes, int vectors, int columns>
 MESHGRAFT_INLINE void solve_wide_strip_transposed(const Strip& l, double* x) {
   Row<lanes, vectors> y[columns];
   for (int q = 0; q < columns; ++q) y[q].read(l.row_of(x, l.first + q));
+  const double* const next = l.strip_further(-columns);
   for (int r = l.first + columns; r < l.rows; ++r) {
+    __builtin_prefetch(next + columns * (r - l.first));
     Row<lanes, vectors> row;
     row.read(l.row_of(x, r));
     for (int q = 0; q < columns; ++q) y[q].subtract(l.at(r, q), row);
