@@ -37,6 +37,7 @@ DeformerOptions DeformerOptions::as_published() {
           .stiffness = 0,
           .soften_coarse = false,
           .iterations = 20,
+          .coarse_start = false,
           .smoothing_length_rel = 0.09,
           .operators = OperatorOptions::as_published(),
           .backend = SolverBackend::automatic,
@@ -72,6 +73,8 @@ Deformer::Impl::Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& 
                                               summary.reused ? other->rotations.get() : nullptr, context);
   if (options.method == DeformMethod::shell)
     shell = std::make_unique<ShellRelaxation>(*system, rotations->limbs(), of_fields, context);
+  if (options.coarse_start && rotations->iterations() > 0)
+    start = CoarseStart::make(*mesh, region, constraints, summary.free_vertices, options, context);
   summary.factorise_seconds += watch.seconds();
 }
 
@@ -92,7 +95,10 @@ SolverBackend Deformer::Impl::choose_backends(const ConstraintMask& mask) {
 void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, PointsRef out,
                               EvaluationReport* report, Columns* solved_maps, const Context& context) const {
   RotationField::Result found;
-  if (rotations) found = rotations->find(constraints, context);
+  if (rotations) {
+    const Columns maps = start ? start->maps(constraints, system->patch(), context) : Columns();
+    found = rotations->find(constraints, context, settled_change, maps);
+  }
   const bool relaxes = shell && !found.linear;
   Columns maps;
   if (relaxes && report != nullptr && solved_maps == nullptr) solved_maps = &maps;

@@ -6,6 +6,7 @@
 
 #include <meshgraft/deform/deformer.h>
 
+#include "deform/coarse_start.h"
 #include "deform/setup/region_mask.h"
 #include "deform/solve/constrained_system.h"
 #include "deform/solve/rotation_field.h"
@@ -27,6 +28,7 @@ struct Deformer::Impl {
   std::unique_ptr<ConstrainedSystem> system;
   std::unique_ptr<RotationField> rotations;  ///< null for `ft05`, and if nothing is free
   std::unique_ptr<ShellRelaxation> shell;    ///< of `shell` only; null if nothing is free
+  std::unique_ptr<const CoarseStart> start;  ///< null where it would not help
 
   /// `other` is null or a set-up on the same mesh, whose parts are shared where possible.
   Impl(const std::shared_ptr<const RestMesh>& mesh, const Region& region,

@@ -123,8 +123,8 @@ struct ReducedFramesOptions {
 void validate(const ReducedFramesOptions& options);
 
 /// Computes approximate frames of the methods `corotational` and `rotation_aware` in real time
-/// (docs/methods.md has the errors); for `shell` they are those of `corotational`. They serve dragging; let the exact `Deformer::evaluate` follow when the
-/// drag ends.
+/// (docs/methods.md has the errors); for `shell` they are those of `corotational`. They serve dragging; let the
+/// exact `Deformer::evaluate` follow when the drag ends.
 ///
 /// The field of maps F on the right-hand side is smooth. A sum of few functions that are as smooth as possible
 /// over the surface therefore represents the whole field. The solution is linear in their coefficients and in
@@ -217,6 +217,11 @@ class ProxyDeformer {
   /// come in the order of the handles and of their vertices.
   Points evaluate(std::span<const VertexConstraint> constraints, const Context& context = {},
                   EvaluationReport* report = nullptr) const;
+
+  /// Returns the change M − I of the local map of each vertex for the same constraints. It is zero outside the
+  /// region, where vertices are fixed, and where only a position is given.
+  std::vector<Eigen::Matrix3d> map_changes(std::span<const VertexConstraint> constraints,
+                                           const Context& context = {}) const;
 
   const ProxySummary& summary() const;
 

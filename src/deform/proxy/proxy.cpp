@@ -121,8 +121,12 @@ struct ProxyDeformer::Impl {
 
   // The steps of each frame.
   std::vector<VertexConstraint> place_handles(std::span<const HandlePose> poses, PointsRef out) const;
+  std::vector<VertexConstraint> needed_of(std::span<const VertexConstraint> constraints) const;
   void move(std::span<const VertexConstraint> given, PointsRef out, const Context& context,
             EvaluationReport* report) const;
+  template <class Follow>
+  void pose(std::span<const VertexConstraint> given, const Context& context, EvaluationReport* report,
+            const Follow& follow) const;
   std::vector<Bone> bones(std::span<const VertexConstraint> given, const Context& context,
                           EvaluationReport* report) const;
   Bone bone_at(const Eigen::RowVector3d& position, const Eigen::RowVector3d& displacement,
@@ -379,10 +383,11 @@ std::vector<Bone> ProxyDeformer::Impl::bones(std::span<const VertexConstraint> g
   return result;
 }
 
-/// Moves the free vertices. `given` corresponds to `needed`. `out` is at rest except for vertices of given
-/// positions.
-void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, PointsRef out, const Context& context,
-                               EvaluationReport* report) const {
+/// Poses the proxy, and calls `follow(vertex, bone)` for all free vertices, in parallel. `given` corresponds to
+/// `needed`.
+template <class Follow>
+void ProxyDeformer::Impl::pose(std::span<const VertexConstraint> given, const Context& context,
+                               EvaluationReport* report, const Follow& follow) const {
   if (report != nullptr) *report = {};
   if (!deformer) return;
   for (const VertexConstraint& constraint : given) validate(constraint);
@@ -393,10 +398,6 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, PointsRe
     if (error.code() != ErrorCode::unsolvable) throw;  // the fact names a vertex of the proxy
     throw Error(facts::deform::ProxySolutionNotFinite{});
   }
-  const auto follow = [&](Index v, const Bone& bone) {
-    const Eigen::Vector3d position = (rest.row(v) - centre).transpose();
-    out.row(v) += (bone.leftCols<3>() * position + bone.col(3)).transpose();
-  };
   for (const Follower& follower : followers) follow(follower.vertex, posed[follower.bone]);
   parallel_blocks(
       skinned.size(),
@@ -404,6 +405,23 @@ void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, PointsRe
         for (std::size_t r = begin; r < end; ++r) follow(skinned[r], blend(skin, static_cast<Index>(r), posed));
       },
       context, 2048);
+}
+
+/// Moves the free vertices. `out` is at rest except for vertices of given positions.
+void ProxyDeformer::Impl::move(std::span<const VertexConstraint> given, PointsRef out, const Context& context,
+                               EvaluationReport* report) const {
+  pose(given, context, report, [&](Index v, const Bone& bone) {
+    const Eigen::Vector3d position = (rest.row(v) - centre).transpose();
+    out.row(v) += (bone.leftCols<3>() * position + bone.col(3)).transpose();
+  });
+}
+
+std::vector<VertexConstraint> ProxyDeformer::Impl::needed_of(
+    std::span<const VertexConstraint> constraints) const {
+  constrained.require_matching(constraints);
+  std::vector<VertexConstraint> given;
+  for (const Needed& need : needed) given.push_back(constraints[need.constraint]);
+  return given;
 }
 
 /// Places all vertices of the handles and returns the needed constraints.
@@ -514,15 +532,22 @@ Points ProxyDeformer::evaluate(std::span<const HandlePose> poses, const Context&
 
 Points ProxyDeformer::evaluate(std::span<const VertexConstraint> constraints, const Context& context,
                                EvaluationReport* report) const {
-  const Impl& d = *impl_;
-  d.constrained.require_matching(constraints);
-  Points positions = d.rest;
+  const std::vector<VertexConstraint> given = impl_->needed_of(constraints);
+  Points positions = impl_->rest;
   for (const VertexConstraint& constraint : constraints)
     if (constraint.position) positions.row(constraint.vertex) = constraint.position->transpose();
-  std::vector<VertexConstraint> given;
-  for (const Impl::Needed& need : d.needed) given.push_back(constraints[need.constraint]);
-  d.move(given, positions, context, report);
+  impl_->move(given, positions, context, report);
   return positions;
+}
+
+std::vector<Eigen::Matrix3d> ProxyDeformer::map_changes(std::span<const VertexConstraint> constraints,
+                                                        const Context& context) const {
+  const std::vector<VertexConstraint> given = impl_->needed_of(constraints);
+  std::vector<Eigen::Matrix3d> changes(impl_->rest.rows(), Eigen::Matrix3d::Zero());
+  for (const VertexConstraint& constraint : constraints)
+    if (constraint.transform) changes[constraint.vertex] = *constraint.transform - Eigen::Matrix3d::Identity();
+  impl_->pose(given, context, nullptr, [&](Index v, const Bone& bone) { changes[v] = bone.leftCols<3>(); });
+  return changes;
 }
 
 const ProxySummary& ProxyDeformer::summary() const { return impl_->summary; }

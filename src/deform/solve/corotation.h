@@ -17,6 +17,9 @@ constexpr double settled_change = 1e-4;
 /// change that the step before asked for. For the first step and for larger changes, that is `first_change`.
 constexpr double solve_share = 1e-3, smooth_share = 1e-4, first_change = 0.1;
 
+/// The change that the first step after a `CoarseStart` is expected to ask for, in radians.
+constexpr double change_after_start = 2e-3;
+
 /// The map that the constraints alone give at a point of the surface: F = rotation · stretch.
 struct BlendedMap {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity(), stretch = Eigen::Matrix3d::Identity();

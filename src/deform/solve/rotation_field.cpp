@@ -87,7 +87,7 @@ void RotationField::keep_few_groups(const Context& context) {
 }
 
 RotationField::Result RotationField::find(std::span<const VertexConstraint> constraints, const Context& context,
-                                          double settled) const {
+                                          double settled, const Columns& start) const {
   Result result;
   if (system_.row_count() == 0) return result;  // all positions are given
   Blend blended;
@@ -102,7 +102,7 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
       if (found) compose(blended, none, result.problem.field, context);
     }
   }
-  if (found && iterations_ > 0) found = local_steps(constraints, settled, blended, result, context);
+  if (found && iterations_ > 0) found = local_steps(constraints, settled, start, blended, result, context);
   if (!found) {
     result = {};
     result.linear = true;
@@ -318,16 +318,24 @@ void RotationField::compose(const Blend& blended, const Columns& deviation, MapF
 }
 
 /// Performs fixed-point steps. Each step solves, takes the rotations of the surface's own maps as deviations
-/// from the blend, and smooths the deviations. Anderson mixing accelerates the steps, and keeps them from
-/// oscillating. Features' rotations go into the blend instead. Returns false if a feature is inverted.
-bool RotationField::local_steps(std::span<const VertexConstraint> constraints, double settled, Blend& blended,
-                                Result& result, const Context& context) const {
+/// from the blend, and smooths the deviations. The first deviations are those of `start`. Anderson mixing
+/// accelerates the steps, and keeps them from oscillating. Features' rotations go into the blend instead.
+/// Returns false if a feature is inverted.
+bool RotationField::local_steps(std::span<const VertexConstraint> constraints, double settled,
+                                const Columns& start, Blend& blended, Result& result,
+                                const Context& context) const {
   const ConstrainedSystem::KnownParts known = system_.known_parts(system_.known_values(constraints), context);
   Columns deviation = Columns::Zero(system_.patch().size(), 3);
   AndersonMixing mixing([&](const Columns& a, const Columns& b) { return mean_product(a, b, context); });
   ConstrainedSystem::SolveMemory memory;
   Columns maps, raw;
   double change = first_change;
+  if (start.rows() > 0) {
+    surface_deviation(start, blended, deviation, raw, context);
+    deviation = fields_.smooth(raw, deviation, context, smooth_share * change_after_start);
+    compose(blended, deviation, result.problem.field, context);
+    change = change_after_start;
+  }
   while (result.iterations < iterations_) {
     Columns& y = result.problem.guess;
     system_.solve(known, result.problem.field, solve_share * change, y, memory, context);

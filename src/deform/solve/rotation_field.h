@@ -40,9 +40,10 @@ class RotationField {
     double change = 0;                   ///< root mean square change that the last iteration asked for, radians
     bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
   };
-  /// The iterations end when the field would change by less than `settled`, in radians.
+  /// The iterations end when the field would change by less than `settled`, in radians. They begin with local
+  /// maps near the solution's if `start` has rows: those of `ConstrainedSystem::maps`.
   Result find(std::span<const VertexConstraint> constraints, const Context& context,
-              double settled = settled_change) const;
+              double settled = settled_change, const Columns& start = {}) const;
 
   const SurfaceFields& fields() const { return fields_; }
   const LimbTwist& limbs() const { return limbs_; }
@@ -71,8 +72,8 @@ class RotationField {
   std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
   void compose(const Blend& blended, const Columns& deviation, MapField& field, const Context& context) const;
-  bool local_steps(std::span<const VertexConstraint> constraints, double settled, Blend& blended,
-                   Result& result, const Context& context) const;
+  bool local_steps(std::span<const VertexConstraint> constraints, double settled, const Columns& start,
+                   Blend& blended, Result& result, const Context& context) const;
   void surface_deviation(const Columns& maps, const Blend& blended, const Columns& current, Columns& deviation,
                          const Context& context) const;
   double mean_product(const Columns& a, const Columns& b, const Context& context) const;

@@ -1,0 +1,101 @@
+// Poses of large regions are solved on a proxy first. That saves steps and changes little.
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <meshgraft/deform/deformer.h>
+
+#include "deform/coarse_start.h"
+#include "deform/deformer_impl.h"
+#include "support/mesh_families.h"
+#include "support/scene_edits.h"
+
+namespace meshgraft::test {
+namespace {
+
+using Eigen::Affine3d;
+
+std::vector<Scene> large_scenes() {
+  std::vector<Scene> scenes;
+  for (TestMesh& mesh : std::vector<TestMesh>{irregular_grid(260, 200), tube(150, 360)})
+    scenes.push_back(make_scene(std::move(mesh)));
+  return scenes;
+}
+
+Deformer set_up(const Scene& scene, const DeformerOptions& options = {}) {
+  return {scene.mesh.positions, scene.mesh.triangles, held_foot(scene), options};
+}
+
+/// Returns the positions that the region's own steps lead to, and counts these.
+Points without_start(const Deformer& deformer, const std::vector<VertexConstraint>& constraints, int& steps) {
+  const Deformer::Impl& d = deformer.impl();
+  const RotationField::Result found = d.rotations->find(constraints, {});
+  steps = found.iterations;
+  Points positions(d.system->rest().rows(), 3);
+  d.system->evaluate(constraints, found.problem, positions, nullptr, nullptr, {});
+  return positions;
+}
+
+TEST(CoarseStart, SavesStepsAndChangesLittle) {
+  for (const Scene& scene : large_scenes()) {
+    SCOPED_TRACE(scene.mesh.name);
+    const Deformer deformer = set_up(scene);
+    const std::vector poses{pose_of(head_move(scene))};
+    EvaluationReport report;
+    const Points started = deformer.evaluate(poses, {}, &report);
+    int steps = 0;
+    const Points plain = without_start(deformer, deformer.constraints(poses), steps);
+    EXPECT_LT(report.iterations, steps);
+    EXPECT_LT(report.last_rotation_change, settled_change);
+    const double motion = (plain - scene.mesh.positions).norm();
+    EXPECT_LT((started - plain).norm(), 3e-3 * motion);
+    EXPECT_GT((started - plain).norm(), 0);
+  }
+}
+
+TEST(CoarseStart, GivesTheMapOfAnAffineMotion) {
+  for (const Scene& scene : large_scenes()) {
+    SCOPED_TRACE(scene.mesh.name);
+    const Deformer deformer(scene.mesh.positions, scene.mesh.triangles, two_handles(scene));
+    const Deformer::Impl& d = deformer.impl();
+    ASSERT_NE(d.start, nullptr);
+    const Affine3d map = about_middle(scene.mesh, linear_maps().back().second);
+    const std::vector<VertexConstraint> constraints =
+        deformer.constraints(std::vector{pose_of(map), pose_of(map)});
+    const Columns maps = d.start->maps(constraints, d.system->patch(), {});
+    ASSERT_EQ(maps.rows(), 3 * d.system->patch().size());
+    double error = 0;
+    for (Eigen::Index v = 0; 3 * v < maps.rows(); ++v)
+      error =
+          std::max(error, (maps.middleRows<3>(3 * v).transpose() + Eigen::Matrix3d::Identity() - map.linear())
+                              .cwiseAbs()
+                              .maxCoeff());
+    EXPECT_LT(error, 1e-8);
+  }
+}
+
+TEST(CoarseStart, LeavesTheResultToThePoseAlone) {
+  const Scene scene = large_scenes().front();
+  const Deformer deformer = set_up(scene), other = set_up(scene);
+  const std::vector poses{pose_of(head_move(scene))};
+  const Points expected = deformer.evaluate(poses, {.threads = 1});
+  other.evaluate(std::vector{HandlePose{}});
+  EXPECT_TRUE(other.evaluate(poses, {.threads = 2}) == expected);
+  EXPECT_TRUE(other.evaluate(std::vector{HandlePose{}}) == scene.mesh.positions);
+}
+
+TEST(CoarseStart, IsMadeOnlyWhereItHelps) {
+  const Scene large = large_scenes().front(), small = make_scene(irregular_grid(66, 44));
+  const auto has_start = [](const Deformer& deformer) { return deformer.impl().start != nullptr; };
+  EXPECT_TRUE(has_start(set_up(large)));
+  EXPECT_FALSE(has_start(set_up(small)));
+  EXPECT_FALSE(has_start(set_up(large, {.coarse_start = false})));
+  for (const DeformMethod method : {DeformMethod::ft05, DeformMethod::rotation_aware})
+    EXPECT_FALSE(has_start(set_up(large, {.method = method}))) << to_string(method);
+}
+
+}  // namespace
+}  // namespace meshgraft::test
