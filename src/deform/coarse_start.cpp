@@ -14,10 +14,11 @@ namespace {
 
 constexpr Index fewest_free = 30'000;  // below, the proxy takes as long as the steps that it saves
 constexpr Index free_per_vertex = 10, most_vertices_of_start = 8000;
-constexpr int iterations_of_start = 100;  // cheap, and the region's own are few only after settled ones
+// They are cheap, and the region's own steps are few only if the proxy has settled.
+constexpr int iterations_of_start = 100;
 
 /// Returns the context without its progress, which is the region's own.
-Context in_silence(Context context) {
+Context without_progress(Context context) {
   context.progress = {};
   return context;
 }
@@ -35,7 +36,7 @@ std::unique_ptr<const CoarseStart> CoarseStart::make(const RestMesh& rest, const
   try {
     return std::unique_ptr<const CoarseStart>(new CoarseStart(
         ProxyDeformer({rest.points, rest.triangles, region, {constraints.begin(), constraints.end()}}, of_proxy,
-                      in_silence(context))));
+                      without_progress(context))));
   } catch (...) {  // for any error, the region is solved without
     if (current_error().code() == ErrorCode::cancelled) throw;
     return nullptr;
@@ -46,7 +47,7 @@ Columns CoarseStart::maps(std::span<const VertexConstraint> constraints, const P
                           const Context& context) const {
   Columns maps;
   try {
-    const std::vector<Eigen::Matrix3d> changes = proxy_.map_changes(constraints, in_silence(context));
+    const std::vector<Eigen::Matrix3d> changes = proxy_.map_changes(constraints, without_progress(context));
     maps.resize(3 * patch.size(), 3);
     parallel_blocks(
         patch.vertices.size(),

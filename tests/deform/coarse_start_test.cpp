@@ -1,7 +1,5 @@
 // Poses of large regions are solved on a proxy first. That saves steps and changes little.
-#include <cmath>
-#include <memory>
-#include <string>
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>

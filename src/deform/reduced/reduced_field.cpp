@@ -266,7 +266,8 @@ Columns ReducedField::functions_of_first_centres(std::size_t count, const Contex
   if (all == first) return weights_.leftCols(all);
   const std::vector<Index> others(centres_.begin() + first, centres_.end());
   const SparseRows energy = select_rows(rotations_->fields().bending()->matrix, others, context);
-  const Columns forces = multiply(energy, weights_.leftCols(all), context);
+  Columns forces(energy.rows(), all);
+  multiply_columns(energy, weights_, 0, all, forces, 0, context);
   const Columns values =
       -forces.rightCols(all - first).completeOrthogonalDecomposition().solve(forces.leftCols(first));
   Columns functions(weights_.rows(), first);
