@@ -1,9 +1,13 @@
 // Poses of large regions are solved on a proxy first. That saves steps and changes little.
 #include <algorithm>
+#include <stop_token>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 
 #include "deform/coarse_start.h"
@@ -83,6 +87,57 @@ TEST(CoarseStart, LeavesTheResultToThePoseAlone) {
   other.evaluate(std::vector{HandlePose{}});
   EXPECT_TRUE(other.evaluate(poses, {.threads = 2}) == expected);
   EXPECT_TRUE(other.evaluate(std::vector{HandlePose{}}) == scene.mesh.positions);
+}
+
+/// Returns edits of different kinds with the head as the handle, each with its name.
+std::vector<std::pair<std::string, Region>> kinds_of_edits(const Scene& scene) {
+  const Region plain = held_foot(scene);
+  std::vector<std::pair<std::string, Region>> edits(3, {"positions only", plain});
+  edits[0].second.handles[0].constrain_transform = false;
+  edits[1].first = "transforms only";
+  edits[1].second.handles[0].constrain_position = false;
+  edits[2].first = "anchors";
+  for (Index v = 0; v < static_cast<Index>(scene.mesh.positions.rows()); v += 997)
+    edits[2].second.anchors.push_back({v, 0.1});
+  return edits;
+}
+
+TEST(CoarseStart, ChangesLittleInEveryKindOfEdit) {
+  const Scene scene = large_scenes().back();
+  const TestMesh& mesh = scene.mesh;
+  for (const auto& [name, region] : kinds_of_edits(scene)) {
+    SCOPED_TRACE(name);
+    std::vector<HandlePose> poses(region.handles.size());
+    poses.back() = pose_of(head_move(scene));
+    const Deformer started(mesh.positions, mesh.triangles, region);
+    ASSERT_NE(started.impl().start, nullptr);
+    const Deformer plain(mesh.positions, mesh.triangles, region, {.coarse_start = false});
+    const Points expected = plain.evaluate(poses);
+    const double motion = (expected - mesh.positions).norm();
+    EXPECT_GT(motion, 0.1 * mesh.positions.norm());
+    EXPECT_LT((started.evaluate(poses) - expected).norm(), 3e-3 * motion);
+  }
+}
+
+TEST(CoarseStart, ServesAnotherRegionOfTheSameMesh) {
+  const Scene scene = large_scenes().front();
+  const Region region = two_handles(scene);
+  const Deformer first = set_up(scene), alone(scene.mesh.positions, scene.mesh.triangles, region);
+  const Deformer second = first.with_region(region);
+  ASSERT_NE(second.impl().start, nullptr);
+  const std::vector poses{HandlePose{}, pose_of(head_move(scene))};
+  EXPECT_LT(largest_distance(second.evaluate(poses), alone.evaluate(poses)), 1e-9);
+}
+
+TEST(CoarseStart, CanBeCancelled) {
+  const Scene scene = large_scenes().front();
+  const Deformer deformer = set_up(scene);
+  const std::vector<VertexConstraint> constraints =
+      deformer.constraints(std::vector{pose_of(head_move(scene))});
+  std::stop_source stop;
+  stop.request_stop();
+  const Deformer::Impl& d = deformer.impl();
+  EXPECT_THROW(d.start->maps(constraints, d.system->patch(), {.stop_token = stop.get_token()}), Error);
 }
 
 TEST(CoarseStart, IsMadeOnlyWhereItHelps) {
