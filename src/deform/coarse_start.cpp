@@ -7,6 +7,7 @@
 #include <meshgraft/core/error.h>
 
 #include "core/parallel.h"
+#include "deform/solve/corotation.h"
 
 namespace meshgraft {
 
@@ -14,8 +15,9 @@ namespace {
 
 constexpr Index fewest_free = 30'000;  // below, the proxy takes as long as the steps that it saves
 constexpr Index free_per_vertex = 10, most_vertices_of_start = 8000;
-// They are cheap, and the region's own steps are few only if the proxy has settled.
-constexpr int iterations_of_start = 100;
+/// Most poses settle after 25 or fewer, tight bends after 60. Those that buckle take more, and their proxy may
+/// buckle elsewhere.
+constexpr int most_iterations_of_start = 100;
 
 /// Returns the context without its progress, which is the region's own.
 Context without_progress(Context context) {
@@ -32,7 +34,7 @@ std::unique_ptr<const CoarseStart> CoarseStart::make(const RestMesh& rest, const
   ProxyOptions of_proxy{options, std::min(free / free_per_vertex, most_vertices_of_start)};
   of_proxy.deformer.method = DeformMethod::corotational;
   of_proxy.deformer.backend = SolverBackend::automatic;
-  of_proxy.deformer.iterations = std::max(options.iterations, iterations_of_start);
+  of_proxy.deformer.iterations = most_iterations_of_start;
   try {
     return std::unique_ptr<const CoarseStart>(new CoarseStart(
         ProxyDeformer({rest.points, rest.triangles, region, {constraints.begin(), constraints.end()}}, of_proxy,
@@ -47,7 +49,10 @@ Columns CoarseStart::maps(std::span<const VertexConstraint> constraints, const P
                           const Context& context) const {
   Columns maps;
   try {
-    const std::vector<Eigen::Matrix3d> changes = proxy_.map_changes(constraints, without_progress(context));
+    EvaluationReport report;
+    const std::vector<Eigen::Matrix3d> changes =
+        proxy_.map_changes(constraints, without_progress(context), &report);
+    if (report.last_rotation_change >= settled_change) return maps;
     maps.resize(3 * patch.size(), 3);
     parallel_blocks(
         patch.vertices.size(),

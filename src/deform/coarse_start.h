@@ -24,7 +24,7 @@ class CoarseStart {
                                                  const DeformerOptions& options, const Context& context);
 
   /// Returns the local maps of a patch's vertices minus I: rows 3v … 3v+2 are (M_v − I)ᵀ. They are zero
-  /// where only a position is given, and have no rows if the proxy cannot be solved for these constraints.
+  /// where only a position is given, and have no rows if the proxy does not settle for these constraints.
   Columns maps(std::span<const VertexConstraint> constraints, const Patch& patch, const Context& context) const;
 
  private:

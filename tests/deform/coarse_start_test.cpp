@@ -119,6 +119,33 @@ TEST(CoarseStart, ChangesLittleInEveryKindOfEdit) {
   }
 }
 
+// A proxy of a sheet that buckles may buckle elsewhere.
+TEST(CoarseStart, IsLeftOutWhereItsProxyDoesNotSettle) {
+  const TestMesh mesh = irregular_grid(260, 200);
+  Region region;
+  Handle disc = make_handle("disc", {});
+  const Eigen::RowVector3d low = mesh.positions.colwise().minCoeff(),
+                           high = mesh.positions.colwise().maxCoeff();
+  const Eigen::RowVector3d middle = (low + high) / 2;
+  const double width = (high - low).head<2>().minCoeff();
+  for (Index v = 0; v < static_cast<Index>(mesh.positions.rows()); ++v) {
+    region.vertices.push_back(v);
+    const Eigen::RowVector2d from_middle = (mesh.positions.row(v) - middle).head<2>();
+    if ((from_middle.cwiseAbs() - 0.48 * (high - low).head<2>()).maxCoeff() > 0)
+      region.fixed.push_back(v);
+    else if (from_middle.norm() < 0.1 * width)
+      disc.vertices.push_back(v);
+  }
+  region.handles = {disc};
+  const Deformer deformer(mesh.positions, mesh.triangles, region);
+  const Deformer::Impl& d = deformer.impl();
+  ASSERT_NE(d.start, nullptr);
+  const Eigen::Translation3d pivot(middle.transpose());
+  const Affine3d map = pivot * Eigen::Scaling(2.3) * pivot.inverse();
+  const std::vector<VertexConstraint> constraints = deformer.constraints(std::vector{pose_of(map)});
+  EXPECT_EQ(d.start->maps(constraints, d.system->patch(), {}).rows(), 0);
+}
+
 TEST(CoarseStart, ServesAnotherRegionOfTheSameMesh) {
   const Scene scene = large_scenes().front();
   const Region region = two_handles(scene);

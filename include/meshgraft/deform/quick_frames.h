@@ -219,9 +219,11 @@ class ProxyDeformer {
                   EvaluationReport* report = nullptr) const;
 
   /// Returns the change M − I of the local map of each vertex for the same constraints. It is zero outside the
-  /// region, where vertices are fixed, and where only a position is given.
+  /// region, where vertices are fixed, and where only a position is given. `report` describes the solve on the
+  /// proxy.
   std::vector<Eigen::Matrix3d> map_changes(std::span<const VertexConstraint> constraints,
-                                           const Context& context = {}) const;
+                                           const Context& context = {},
+                                           EvaluationReport* report = nullptr) const;
 
   const ProxySummary& summary() const;
 

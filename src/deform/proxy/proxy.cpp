@@ -541,12 +541,13 @@ Points ProxyDeformer::evaluate(std::span<const VertexConstraint> constraints, co
 }
 
 std::vector<Eigen::Matrix3d> ProxyDeformer::map_changes(std::span<const VertexConstraint> constraints,
-                                                        const Context& context) const {
+                                                        const Context& context,
+                                                        EvaluationReport* report) const {
   const std::vector<VertexConstraint> given = impl_->needed_of(constraints);
   std::vector<Eigen::Matrix3d> changes(impl_->rest.rows(), Eigen::Matrix3d::Zero());
   for (const VertexConstraint& constraint : constraints)
     if (constraint.transform) changes[constraint.vertex] = *constraint.transform - Eigen::Matrix3d::Identity();
-  impl_->pose(given, context, nullptr, [&](Index v, const Bone& bone) { changes[v] = bone.leftCols<3>(); });
+  impl_->pose(given, context, report, [&](Index v, const Bone& bone) { changes[v] = bone.leftCols<3>(); });
   return changes;
 }
 
