@@ -356,10 +356,42 @@ TEST(RepairHoles, ThatTouchInAVertexAreClosedOneByOne) {
       EXPECT_EQ(topology.boundary_loops, 1);
       EXPECT_NEAR(total_area(result.mesh), 1, 1e-9);
       EXPECT_EQ(check_mesh(result.mesh).find(FindingKind::duplicate_vertex), nullptr);
+      EXPECT_TRUE(result.notes.empty());
       ASSERT_NE(result.find(RepairChangeKind::rejoined_vertex), nullptr);
       EXPECT_EQ(result.find(RepairChangeKind::rejoined_vertex)->count, static_cast<Index>(holes.size()) - 1);
       EXPECT_FALSE(repair(result.mesh, {.hole_edges = 20, .hole_fill = fill}).changed());
     }
+}
+
+// Returns a sheet with a hole, and a needle that stands in the hole if `through`, and beside the sheet if not.
+Mesh sheet_and_needle(bool through) {
+  const Mesh sheet = grid_without(12, {{5, 5}, {6, 5}, {5, 6}, {6, 6}});
+  const Index n = sheet.vertex_count();
+  const double x = through ? 0.51 : 2;
+  Points positions(n + 4, 3);
+  positions << sheet.positions, x, 0.52, -1, x + 0.01, 0.52, 1, x, 0.53, 1, x - 0.01, 0.52, 1;
+  Mesh both;
+  both.positions = positions;
+  both.faces = sheet.faces;
+  for (const auto& [a, b, c] : {std::array<Index, 3>{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}})
+    both.faces.push_back(std::array{n + a, n + b, n + c});
+  return both;
+}
+
+TEST(RepairHoles, AreNotedWhereTheirFillsIntersect) {
+  for (const HoleFill fill : {HoleFill::plain, HoleFill::refined, HoleFill::faired}) {
+    const RepairOptions options{.remove_debris = false, .hole_edges = 20, .hole_fill = fill};
+    const Mesh mesh = sheet_and_needle(true);
+    const RepairResult result = repair(mesh, options);
+    ASSERT_EQ(result.notes.size(), 1);
+    EXPECT_EQ(result.notes[0].id(), "mesh.hole_fill_intersects");
+    const auto first = result.notes[0].get<std::int64_t>("first");
+    EXPECT_TRUE(first >= mesh.face_count() && first < result.mesh.face_count()) << first;
+    EXPECT_LE(result.notes[0].get<std::int64_t>("count"), 6);
+    const RepairResult beside = repair(sheet_and_needle(false), options);
+    EXPECT_NE(beside.find(RepairChangeKind::filled_hole), nullptr);
+    EXPECT_TRUE(beside.notes.empty());
+  }
 }
 
 // A harmonic function with linear values around a flat hole is that linear function.

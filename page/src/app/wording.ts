@@ -569,6 +569,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "mesh.hole_beside_inconsistent_faces": ({ count }) => ({
     problem: `${counted(count, "hole was", "holes were")} not closed: the faces around do not fit together`,
   }),
+  "mesh.hole_fill_intersects": ({ count }) => ({
+    problem: `${counted(count, "triangle that closes a hole cuts", "triangles that close holes cut")} through the surface`,
+    remedy: "Close these holes in another way, or shape the surface there.",
+  }),
   "mesh.mended_degenerate_face": ({ count }) => ({
     problem: `${counted(count, "face with a corner twice was", "faces with a corner twice were")} mended or removed`,
   }),

@@ -1,12 +1,15 @@
 #include <meshgraft/mesh/repair.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <mutex>
 
 #include <meshgraft/core/error.h>
 
 #include "core/facts.h"
 #include "mesh/facts.h"
+#include "mesh/intersecting_triangles.h"
 #include "repair_surface.h"
 
 namespace meshgraft {
@@ -50,6 +53,39 @@ bool mend(RepairSurface& surface, const RepairOptions& options) {
   return changed;
 }
 
+// Returns whether two triangles intersect in more than vertices at one position and edges between these.
+bool intersect_beyond_positions(const Points& positions, const Triangles& triangles,
+                                const std::array<Index, 2>& pair) {
+  Triangles two(2, 3);
+  two << triangles.row(pair[0]), triangles.row(pair[1]);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      if (positions.row(two(1, i)) == positions.row(two(0, j))) two(1, i) = two(0, j);
+  return intersect(positions, two, {0, 1});
+}
+
+// Notes how many triangles that fill holes intersect the surface or each other.
+void note_intersecting_fills(RepairResult& result, const Context& context) {
+  if (result.find(RepairChangeKind::filled_hole) == nullptr) return;
+  const Triangulation surface = triangulate(result.mesh);
+  const auto fills = [&](Index triangle) { return result.face_origin[surface.face[triangle]] < 0; };
+  Flags is_fill(surface.triangles.rows(), 0), is_crossed = is_fill;
+  for (Index t = 0; t < static_cast<Index>(is_fill.size()); ++t) is_fill[t] = fills(t);
+  std::mutex marking;
+  find_intersections(
+      result.mesh.positions, surface.triangles, is_fill,
+      [&](const std::array<Index, 2>& pair) {
+        if (!intersect_beyond_positions(result.mesh.positions, surface.triangles, pair)) return;
+        const std::scoped_lock lock(marking);
+        for (const Index t : pair) is_crossed[t] = is_fill[t];
+      },
+      context);
+  const auto count = static_cast<Index>(std::count(is_crossed.begin(), is_crossed.end(), 1));
+  if (count == 0) return;
+  const auto first = std::find(is_crossed.begin(), is_crossed.end(), 1) - is_crossed.begin();
+  result.notes.push_back(facts::mesh::HoleFillIntersects{.count = count, .first = surface.face[first]});
+}
+
 }  // namespace
 
 const RepairChange* RepairResult::find(RepairChangeKind kind) const {
@@ -83,7 +119,9 @@ RepairResult repair(const Mesh& mesh, const RepairOptions& options, const Contex
     break;
   }
   context.step("repair", 1);
-  return surface.finish(options.remove_isolated);
+  RepairResult result = surface.finish(options.remove_isolated);
+  note_intersecting_fills(result, context);
+  return result;
 }
 
 }  // namespace meshgraft
