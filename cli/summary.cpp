@@ -163,8 +163,8 @@ void print_quality(const EditReport& report, const Points& rest) {
   const std::string width = quality.narrowest_vertex < 0
                                 ? std::string()
                                 : fmt::format(", narrowest {:.0f} % of its width", 100 * quality.width_min);
-  fmt::print("  quality: edges changed by {:.1f} % (RMS), area {}{}, bending p99 {:.1f}°{}, {}{}\n",
-             100 * quality.edge_rms, percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg,
+  fmt::print("  quality: edges changed by {} (RMS), area {}{}, bending p99 {:.1f}°{}, {}{}\n",
+             percent(quality.edge_rms), percent_change(quality.area_ratio), volume, quality.dihedral_p99_deg,
              width, counted(quality.flipped_faces, "flipped face", "flipped faces"), intersections);
   if (report.condition_estimate) fmt::print("  condition number at least {:.2g}\n", *report.condition_estimate);
   fmt::print("  moved at most {:.3g} % of the model's size, in {:.2f} s (factor {:.2f} s, solve {:.2f} s)\n",

@@ -30,11 +30,15 @@ def whole(value: object, name: str, largest: int) -> int:
     return int(value)
 
 
-def _numeric(value: ArrayLike, name: str, what: str) -> NDArray[Any]:
+def _array(value: ArrayLike, name: str, what: str) -> NDArray[Any]:
     try:
-        array = np.asarray(value)
+        return np.asarray(value)
     except (ValueError, TypeError) as error:
         raise ValueError(f"{name}: expected {what}; {error}") from None
+
+
+def _numeric(value: ArrayLike, name: str, what: str) -> NDArray[Any]:
+    array = _array(value, name, what)
     if array.dtype.kind not in "iuf":
         raise ValueError(f"{name}: expected {what}, not an array of {array.dtype}")
     return array
@@ -103,6 +107,26 @@ def numbers(value: ArrayLike, name: str, *, count: int | None = None) -> FloatAr
     return result
 
 
+def vertex(value: ArrayLike, name: str) -> int | list[float]:
+    """Returns a vertex: its index, or a point that stands for the nearest one."""
+    array = _numeric(value, name, "a vertex or 3 numbers")
+    return int(_as_int32(array[None], name, None)[0]) if array.ndim == 0 else vector(array, name).tolist()
+
+
+def pairs(value: Any, name: str, what: str) -> list[tuple[Any, Any]]:
+    """Returns a list of pairs. `what` says of what, such as "(target vertex, source vertex)"."""
+    if isinstance(value, str) or not hasattr(value, "__len__"):
+        raise ValueError(f"{name}: expected pairs {what}, not {type(value).__name__}")
+    result = []
+    for i, pair in enumerate(value):
+        try:
+            first, second = pair
+        except (TypeError, ValueError):
+            raise ValueError(f"{name}[{i}]: expected a pair {what}") from None
+        result.append((first, second))
+    return result
+
+
 def _as_int32(array: NDArray[Any], name: str, limit: int | None) -> IndexArray:
     """Returns indices below the limit (if there is one) as int32."""
     if array.dtype.kind not in "iu":
@@ -119,7 +143,7 @@ def _as_int32(array: NDArray[Any], name: str, limit: int | None) -> IndexArray:
 
 def triangles(value: ArrayLike, name: str, vertices: int | None) -> IndexArray:
     """Returns m triangles as a C-contiguous (m, 3) array of int32. One that is that already is not copied."""
-    array = np.asarray(value)
+    array = _array(value, name, "integers of shape (m, 3)")
     if array.size == 0:
         array = np.zeros((0, 3), np.int32)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -129,7 +153,7 @@ def triangles(value: ArrayLike, name: str, vertices: int | None) -> IndexArray:
 
 def indices(value: ArrayLike, name: str, vertices: int | None) -> IndexArray:
     """Returns a list of vertices, of their indices or of a mask with one flag per vertex."""
-    array = np.asarray(value)
+    array = _array(value, name, "a list of vertices or a mask")
     if array.ndim == 0:
         array = array[None]
     if array.size == 0 and array.dtype.kind == "f":

@@ -148,6 +148,8 @@ class _Posed(Generic[M]):
         return (threads, 0, None) if threads else self._default
 
     def _poses(self, poses: Mapping[str, Any] | None, named: Mapping[str, Any]) -> list[Any]:
+        if poses is not None and not isinstance(poses, Mapping):
+            raise TypeError(f"poses: expected a dict of poses by the names of handles, not {type(poses).__name__}")
         if poses and (twice := poses.keys() & named.keys()):
             raise TypeError(f"the handle {min(twice)!r} has two poses, in the dict and as a keyword")
         all_poses = {**poses, **named} if poses else named

@@ -54,7 +54,7 @@ class LiveDeformer(_Posed[M]):
             live.wait()
 
     `on_frame` gets each LiveFrame, on a thread of the library's; `on_failure` gets the number of a pose (0: the set-up)
-    and its Error. Neither may close the object. Ctrl-C during `wait` closes it.
+    and its Error. Neither may call `wait`. Ctrl-C during `wait` closes the object.
     """
 
     def __init__(self, mesh: M, region: Any = None, handles: Mapping[str, Any] | None = None, *,
@@ -74,7 +74,10 @@ class LiveDeformer(_Posed[M]):
         _open.add(self)
 
     def drag(self, poses: Mapping[str, Any] | None = None, /, **named: Any) -> int:
-        """Asks for a pose of the handles, and returns its number at once. A newer pose replaces one that waits."""
+        """Asks for a pose of the handles, and returns its number at once: 0 after `close`.
+
+        A newer pose replaces one that waits.
+        """
         return cast(int, self._core.drag(self._poses(poses, named)))
 
     def wait(self, *, progress: Progress = None) -> None:

@@ -60,20 +60,10 @@ class MergeResult(Generic[M]):
     notes: tuple[Note, ...]
 
 
-def _vertex(value: Any, name: str) -> Any:
-    """Reads a vertex: its index, or a point that stands for the nearest one."""
-    if np.ndim(value) == 0:
-        return int(_arrays.indices(value, name, None)[0])
-    return _arrays.vector(value, name).tolist()
-
-
-def _matches(pairs: Sequence[tuple[Any, Any]], name: str) -> list[list[Any]]:
+def _matches(value: Any, name: str) -> list[list[Any]]:
     """Reads pairs (target vertex, source vertex); edit files have them the other way round."""
-    for i, pair in enumerate(pairs):
-        if np.ndim(pair) == 0 or len(pair) != 2:
-            raise ValueError(f"{name}[{i}]: expected a pair (target vertex, source vertex)")
-    return [[_vertex(source, f"{name}[{i}][1]"), _vertex(target, f"{name}[{i}][0]")]
-            for i, (target, source) in enumerate(pairs)]
+    return [[_arrays.vertex(source, f"{name}[{i}][1]"), _arrays.vertex(target, f"{name}[{i}][0]")]
+            for i, (target, source) in enumerate(_arrays.pairs(value, name, "(target vertex, source vertex)"))]
 
 
 def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], arguments: Mapping[str, Any]) -> dict[str, Any]:
@@ -85,13 +75,13 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
         if key in a:
             step[key] = a[key]
     if "pairs" in a:
-        step["pairs"] = [{"source_loop": _loop(pair[1], f"pairs[{i}][1]", source_size),
-                          "target_loop": _loop(pair[0], f"pairs[{i}][0]", target_size)}
-                         for i, pair in enumerate(a["pairs"])]
-    if a.get("matches") is not None and len(a["matches"]):
-        step["matches"] = _matches(a["matches"], "matches")
-    if a.get("align") is not None and len(a["align"]):
-        step["align"] = _matches(a["align"], "align")
+        step["pairs"] = [{"source_loop": _loop(source_loop, f"pairs[{i}][1]", source_size),
+                          "target_loop": _loop(target_loop, f"pairs[{i}][0]", target_size)}
+                         for i, (target_loop, source_loop)
+                         in enumerate(_arrays.pairs(a["pairs"], "pairs", "(target loop, source loop)"))]
+    for key in ("matches", "align"):
+        if pairs := _matches(a.get(key, ()), key):
+            step[key] = pairs
     if "mirror" in a:
         step["mirror"] = _arrays.plane(a["mirror"], "mirror")
     if "source_transform" in a:
@@ -103,7 +93,7 @@ def merge_step(target: str, source: str, sizes: tuple[int | None, int | None], a
     if "features" in a:
         step["features"] = [feature_spec(entry, f"features[{i}]", source_size) for i, entry in enumerate(a["features"])]
     if "at" in a:
-        vertex = _vertex(a["at"], "at")
+        vertex = _arrays.vertex(a["at"], "at")
         step["at"] = {"vertex" if isinstance(vertex, int) else "point": vertex}
         if "spin_deg" in a:
             step["at"]["spin_deg"] = a["spin_deg"]

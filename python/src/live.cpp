@@ -14,6 +14,7 @@
 #include "bindings.h"
 #include "calls.h"
 #include "deform.h"
+#include "deform/facts.h"
 #include "edits.h"
 #include "errors.h"
 #include "records.h"
@@ -58,6 +59,7 @@ class LiveHolder {
 
   void wait(const nb::tuple& call) {
     require_here();
+    if (calling_ == this) throw Error(facts::deform::WaitInCallback{});
     run(call_of(call), [&](const Context& context) {
       // `wait_until_exact` itself ends only with an exact frame, an error, or this.
       const std::stop_callback close_on_stop(context.stop_token, [this] { live_->close(); });
@@ -135,14 +137,18 @@ class LiveHolder {
     const nb::gil_scoped_acquire acquire;
     const nb::object kept = callback;
     if (kept.is_none()) return;  // the object is being collected
+    calling_ = this;
     try {
       work(kept);
     } catch (nb::python_error& error) {
       error.restore();
       PyErr_WriteUnraisable(kept.ptr());
     }
+    calling_ = nullptr;
   }
 
+  // The object whose callback runs on this thread. `wait` would wait for itself there.
+  inline static thread_local const LiveHolder* calling_ = nullptr;
   std::shared_ptr<const Preparation> preparation_;
   nb::object on_frame_, on_failure_;
   bool delivers_, tells_;

@@ -208,6 +208,20 @@ def test_a_live_deformer_tells_why_it_cannot_work(bar, ends):
     assert live.stage in ("failed", "closed") and failures[0].id.startswith("deform.")
 
 
+def test_a_callback_of_a_live_deformer_cannot_wait(bar, ends):
+    told = []
+
+    def wait(frame):
+        with pytest.raises(mg.UsageError) as error:
+            live.wait()
+        told.append(error.value.id)
+
+    with mg.LiveDeformer(bar, handles=ends, on_frame=wait) as live:
+        live.drag(top=bend())
+        live.wait()
+    assert told and set(told) == {"deform.wait_in_callback"}
+
+
 def test_a_live_deformer_whose_function_knows_it_is_collected(bar, ends):
     frames = []
     live = mg.LiveDeformer(bar, handles=ends, on_frame=lambda frame: frames.append(live.stage))
