@@ -84,6 +84,8 @@ class Edit:
               sha256: str | None = None, up: Direction | None = None, front: Direction | None = None) -> Self:
         """Adds a mesh by name: a mesh of any kind, the path of a file, or a built-in model (`sample`).
 
+        It replaces an earlier one of the same name.
+
         `up`, `front`: how the model stands, as axes such as "z" and "-y" or as vectors; without them merge steps guess.
         """
         if (mesh is None) == (sample is None):

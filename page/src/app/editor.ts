@@ -13,6 +13,7 @@ import { Graft } from "./graft/graft";
 import { Library } from "./library";
 import { Marking } from "./marking";
 import { Mending } from "./mending";
+import { nearestAxis, planeAcross } from "./mirror_plane";
 import { baseName, folderOf } from "./paths";
 import { Printing } from "./printing";
 import { openBeforeReload, rememberOpen, rememberOpened, rememberUnsaved } from "./recent";
@@ -235,10 +236,12 @@ export class Editor {
   mirrorGraft(): Promise<void> {
     return mirrorLatestGraft(this, this.viewport);
   }
-  /** Turns symmetry on, across the middle of the model, or off. */
+  /** Turns symmetry on, between left and right in the middle of the model, or off. */
   async setSymmetry(on: boolean): Promise<void> {
-    const tolerance_rel = mirrorTolerance.value;
-    await this.ask(on ? { do: "symmetry", tolerance_rel } : { do: "symmetry", plane: null });
+    if (!on) return void (await this.ask({ do: "symmetry", plane: null }));
+    const box = this.box.value;
+    const plane = box && planeAcross(nearestAxis(this.viewport.navigation.axes()[1].toArray()), box);
+    await this.ask({ do: "symmetry", ...(plane && { plane }), tolerance_rel: mirrorTolerance.value });
   }
 
   /**

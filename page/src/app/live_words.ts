@@ -9,8 +9,8 @@ export interface LiveWords {
 }
 
 const accuracies: Record<Accuracy, [string, string]> = {
-  proxy: ["Preview", "A simplified mesh stands in while the exact solution is prepared."],
-  reduced: ["Quick preview", "Accurate to a few per cent. The exact shape follows when you stop dragging."],
+  proxy: ["Preview", "A simplified mesh stands in. The exact shape follows soon after you stop dragging."],
+  reduced: ["Quick preview", "Usually accurate to a few per cent. The exact shape follows when you stop dragging."],
   linear: ["Exact", "Every frame is exact."],
   exact: ["Exact", "Saving writes this shape."],
 };
@@ -43,7 +43,9 @@ export function liveWords(state: DocumentState | null, live: Event<"live">): Liv
   const [tone, text, explained] = stages[live.stage ?? "starting"];
   const accuracy = live.accuracy === undefined ? undefined : accuracies[live.accuracy];
   if (accuracy === undefined || tone !== "good") return { tone, text, explained };
-  return { tone, text: live.stage === "exact" ? text : accuracy[0], explained: accuracy[1] };
+  if (live.stage !== "exact") return { tone, text: accuracy[0], explained: accuracy[1] };
+  if (live.accuracy === "proxy") return { tone: "busy", text: `${accuracy[0]}; the exact shape follows`, explained: accuracy[1] };
+  return { tone, text, explained: accuracy[1] };
 }
 
 /** Words for the stages of the engine's progress. */

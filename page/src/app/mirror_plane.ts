@@ -21,6 +21,12 @@ export function coordinateOf(plane: Plane, axis: PlaneAxis): number {
   return plane.point[indices[axis]];
 }
 
+/** Returns the axis that a direction is nearest to. */
+export function nearestAxis(direction: readonly number[]): PlaneAxis {
+  const [x = 0, y = 0, z = 0] = direction.map(Math.abs);
+  return x >= Math.max(y, z) ? "x" : y >= z ? "y" : "z";
+}
+
 /** Returns the plane normal to an axis at a coordinate; without one, through the centre of the box. */
 export function planeAcross(axis: PlaneAxis, box: Box, coordinate?: number): Plane {
   const point: Vector = [0, 1, 2].map((k) => ((box.low[k] as number) + (box.high[k] as number)) / 2) as Vector;

@@ -42,10 +42,15 @@ interface TargetProps {
 function TargetDialog(props: TargetProps) {
   const { page, extension, start, onClose } = props;
   const [folder, setFolder] = useState(start.folder);
-  const [typed, setTyped] = useState(start.name);
+  const [own, setOwn] = useState<string | null>(null); // replaces the suggestion once something is typed
+  const typed = own ?? start.name;
   const [failure, setFailure] = useState<Failure | undefined>(undefined);
   const [asks, setAsks] = useState(false);
   const [busy, setBusy] = useState(false);
+  useEffect(() => {
+    setAsks(false);
+    setFailure(undefined);
+  }, [extension, typed]);
   const listing = useListing(page, folder);
   const name = withExtension(typed.trim(), extension);
   const fault = folder === null ? "Choose a folder." : faultOfName(typed);
@@ -100,10 +105,7 @@ function TargetDialog(props: TargetProps) {
             value={typed}
             autoFocus
             onFocus={(event) => event.currentTarget.select()}
-            onInput={(event) => {
-              setTyped(event.currentTarget.value);
-              setAsks(false);
-            }}
+            onInput={(event) => setOwn(event.currentTarget.value)}
           />
           <span class="suffix">{withExtension("", extension)}</span>
         </label>
@@ -116,7 +118,7 @@ function TargetDialog(props: TargetProps) {
           setAsks(false);
         }}
         listing={listing}
-        onFile={(path) => setTyped(stemOf(path))}
+        onFile={(path) => setOwn(stemOf(path))}
         shows={(entry) => entry.name.endsWith(extension)}
       />
       {fault !== undefined && <p class="hint">{fault}</p>}
@@ -242,7 +244,6 @@ export function ExportDialog({ page, onClose }: { page: Page; onClose: () => voi
   const asMorph = isMorph && format.morphTargets === true;
   return (
     <TargetDialog
-      key={`${format.extension} ${part?.name ?? ""}`}
       page={page}
       title="Export the mesh"
       done="Exported"

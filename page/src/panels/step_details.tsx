@@ -122,7 +122,7 @@ export function StepPose({ page, name, pose, onChange }: StepPoseProps) {
 export function GraftDetails({ page, step: { fields, found }, index }: DetailsProps) {
   const step = readStep(fields);
   const keep = (changes: GraftFields) =>
-    void page.editor.ask({ do: "step", what: "change", index, fields: { ...changes } });
+    page.editor.ask({ do: "step", what: "change", index, fields: { ...changes } });
   const mesh = page.editor.graft.byName(step.source)?.mesh ?? -1;
   return (
     <div class="step-details">

@@ -25,6 +25,7 @@ export interface Steps {
 }
 
 const leastScale = 0.01; // the least factor by a drag; smaller and negative ones can be typed
+const leastTypedScale = 1e-3; // flatter handles have no shape to come back to
 const leastRadiusPx = 40; // keeps a scaling stable that starts near the centre
 const edgeOn = 0.2; // cosine below which a ring's plane is too oblique to locate the pointer in
 
@@ -93,7 +94,7 @@ export class Gesture {
       return `Rotate${name && ` about ${name}`}  ${angle.toFixed(1)}°${turns}${typed}`;
     }
     const where = name && (this.grip.across === true ? ` across ${name}` : ` along ${name}`);
-    if (this.grip.kind === "scale") return `Scale${where}  × ${this.factor().toFixed(3)}${typed}`;
+    if (this.grip.kind === "scale") return `Scale${where}  × ${this.factor().toFixed(3)}${this.isTooSmall() ? ", the least" : ""}${typed}`;
     const shift = this.shift();
     const length = name && this.grip.across !== true ? shift.dot(this.axisOf(this.grip.axis)) : shift.length();
     return `Move${where}  ${digits(length)}${unit && ` ${unit}`}${typed}`;
@@ -148,9 +149,13 @@ export class Gesture {
       .applyQuaternion(this.axes);
   }
 
+  private isTooSmall(): boolean {
+    return Math.abs(this.number.value ?? 1) < leastTypedScale;
+  }
+
   private factor(): number {
     const typed = this.number.value;
-    if (typed !== undefined) return Math.abs(typed) < 1e-3 ? 1e-3 : typed;
+    if (typed !== undefined) return this.isTooSmall() ? leastTypedScale : typed;
     const c = this.camera.project(this.centre);
     const { axis, across } = this.grip;
     const direction = axis === "free" || across === true ? undefined : this.onPage(this.axisOf(axis));

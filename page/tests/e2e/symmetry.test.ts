@@ -140,3 +140,13 @@ test("a refusal names the tolerance that would do, and takes it by a click", asy
   expect(symmetry?.tolerance_rel).toBeGreaterThan(1e-6);
   expect([handles?.length, await page.getByRole("alert").count()]).toEqual([1, 0]);
 });
+
+test("the first plane lies between left and right, also of a model that faces sideways", async () => {
+  const { user } = harness;
+  const { page } = user;
+  await harness.openSample("dinosaur", 40);
+  await user.press("y");
+  await page.waitForFunction(() => window.meshgraft.editor.state.value?.symmetry != null);
+  expect(await page.evaluate(() => window.meshgraft.editor.state.value?.symmetry?.plane.normal)).toEqual([0, 1, 0]);
+  expect(user.complaints).toEqual([]);
+});

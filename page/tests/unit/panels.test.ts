@@ -51,6 +51,7 @@ describe("fields for numbers", () => {
     expect([0.9, 1, 20, 20.1].map((x) => isInRange(x, { min: 1, max: 20 }))).toEqual([false, true, true, false]);
     expect([-1, 0, 1e-9].map((x) => isInRange(x, { above: 0 }))).toEqual([false, false, true]);
     expect(isInRange(-1e300, {})).toBe(true);
+    expect([2.5, 3].map((x) => isInRange(x, { min: 1, max: 32, integer: true }))).toEqual([false, true]);
   });
   test("keep a turn as it was typed where it is the same", () => {
     expect(asTyped(-180, 180)).toBe(180);
@@ -171,6 +172,8 @@ describe("the status line", () => {
     expect(liveWords(set, { event: "live", stage: "starting" }).text).toBe("Getting ready");
     expect(liveWords(set, { event: "live", stage: "ready", accuracy: "exact" }).text).toBe("Exact");
     expect(liveWords(set, { event: "live", stage: "ready", accuracy: "reduced" }).text).toBe("Quick preview");
+    expect(liveWords(set, { event: "live", stage: "exact", accuracy: "exact" })).toMatchObject({ tone: "good", text: "Exact; preparing faster dragging" });
+    expect(liveWords(set, { event: "live", stage: "exact", accuracy: "proxy" })).toMatchObject({ tone: "busy", text: "Preview; the exact shape follows" });
     expect(liveWords(set, { event: "live", stage: "proxy-only" }).tone).toBe("warning");
     const error: EngineError = {
       id: "deform.nothing", code: "unsolvable", fields: {}, problem: "nothing holds it", location: "", remedy: "Fix some.", notes: [],

@@ -1,7 +1,7 @@
 import type { DocumentState, Vector } from "../../protocol";
 import type { Viewport } from "../../view/viewport";
 import type { Editor } from "../editor";
-import { planeAcross, type Plane } from "../mirror_plane";
+import { nearestAxis, planeAcross, type Plane } from "../mirror_plane";
 import type { GraftFields } from "./graft_step";
 import { mirroredGraft } from "./mirrored_graft";
 
@@ -56,8 +56,7 @@ export async function mirrorLatestGraft(editor: Editor, viewport: Viewport): Pro
 function mirrorPlane({ state, graft, box }: Editor, viewport: Viewport, places: readonly (Vector | null)[]): Plane {
   const symmetry = state.value?.symmetry?.plane;
   if (symmetry !== undefined) return symmetry;
-  const [x = 0, y = 0, z = 0] = viewport.navigation.axes()[1].toArray().map(Math.abs);
-  const axis = x >= Math.max(y, z) ? "x" : y >= z ? "y" : "z";
+  const axis = nearestAxis(viewport.navigation.axes()[1].toArray());
   const before = graft.seam.value?.target ?? box.value ?? { low: [0, 0, 0], high: [0, 0, 0] };
   const points = [before.low, before.high, ...places.filter((place) => place !== null)];
   const bound = (of: (...values: number[]) => number) => [0, 1, 2].map((k) => of(...points.map((point) => point[k] as number))) as Vector;

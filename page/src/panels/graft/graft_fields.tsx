@@ -8,7 +8,7 @@ import { degrees, Segments, Select, Slider, Toggle } from "../ui/fields";
 export interface GraftFieldsProps {
   step: GraftStep;
   /** Commits fields; null removes a field. */
-  keep: (fields: GraftFields) => void;
+  keep: (fields: GraftFields) => unknown;
 }
 
 interface NumbersProps extends GraftFieldsProps {

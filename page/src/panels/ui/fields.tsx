@@ -5,7 +5,8 @@ import { formatNumber, parseQuantity, type Quantity, type Unit } from "../../app
 interface NumberFieldProps {
   label: string;
   value: number;
-  onChange: (value: number) => void;
+  /** A number stays shown until a promise that is returned settles. */
+  onChange: (value: number) => unknown;
   quantity?: Quantity;
   unit?: Unit;
   /** Shown after the number. */
@@ -31,22 +32,29 @@ interface NumberFieldProps {
 export function NumberField(props: NumberFieldProps) {
   const { label, value, onChange, quantity = "number", unit = "none", suffix, step = 1, disabled } = props;
   const [typed, setTyped] = useState<string | null>(null);
+  const [given, setGiven] = useState<number | null>(null); // while the change that it asks for goes on
   const saysId = useId();
-  const shown = formatNumber(value, props.digits, props.decimals);
+  const shown = formatNumber(given ?? value, props.digits, props.decimals);
   const parsed = typed === null ? value : parseQuantity(typed, quantity, unit);
   const bad = parsed === undefined || (typed !== null && !isInRange(parsed, props));
   const [told, setTold] = useState<string | null>(null); // the sentence on a refused input
   const [hasFocus, setHasFocus] = useState(false);
   useEffect(() => {
-    // The sentence stays until the input changes, or for a while after the field has lost focus.
+    // The sentence stays until the input changes, or for a while where a refused input was left.
     if (told === null || hasFocus) return undefined;
     const timer = setTimeout(() => setTold(null), messageMs);
     return () => clearTimeout(timer);
   }, [told, hasFocus]);
+  const give = (number: number) => {
+    const change = onChange(number);
+    if (!(change instanceof Promise)) return;
+    setGiven(number);
+    void change.finally(() => setGiven(null));
+  };
   /** Commits the typed text. Returns whether it is valid. */
   const confirm = (): boolean => {
-    if (bad) setTold(parsed === undefined ? writingWords(quantity, unit) : `Enter ${rangeWords(props)}.`);
-    else if (typed !== null && typed.trim() !== shown) onChange(inForm(parsed, props));
+    if (bad) setTold(parsed === undefined ? writingWords(quantity, unit, props) : `Enter ${rangeWords(props)}.`);
+    else if (typed !== null && typed.trim() !== shown) give(parsed);
     if (!bad) setTyped(null);
     return !bad;
   };
@@ -56,7 +64,8 @@ export function NumberField(props: NumberFieldProps) {
   };
   const onBlur = () => {
     setHasFocus(false);
-    confirm();
+    if (told === null) confirm();
+    else setTold(null);
     setTyped(null);
   };
   const leave = (event: KeyboardEvent) => {
@@ -119,13 +128,15 @@ function inForm(value: number, { integer }: Range): number {
   return integer === true ? Math.round(value) : value;
 }
 
-/** Returns whether a number is within a range. */
-export function isInRange(value: number, { min = -Infinity, max = Infinity, above = -Infinity }: Range): boolean {
-  return value >= min && value <= max && (value > above || above === -Infinity);
+/** Returns whether a number is within a range, and whole where it has to be. */
+export function isInRange(value: number, { min = -Infinity, max = Infinity, above = -Infinity, integer }: Range): boolean {
+  return value >= min && value <= max && (value > above || above === -Infinity) && (integer !== true || Number.isInteger(value));
 }
 
-/** Returns examples of how a quantity can be written. */
-function writingWords(quantity: Quantity, unit: Unit): string {
+/** Returns examples of how a quantity can be written, or its range. */
+function writingWords(quantity: Quantity, unit: Unit, range: Range): string {
+  const isBounded = range.min !== undefined || range.max !== undefined || range.above !== undefined;
+  if (quantity === "number" && isBounded) return `Enter ${rangeWords(range)}.`;
   if (quantity === "angle") return "Enter an angle, such as 45 or 2 turns.";
   if (quantity === "length") return unit === "none" ? "Enter a length, such as 12.5." : "Enter a length, such as 12.5 or 3 mm.";
   return quantity === "factor" ? "Enter a factor, such as 1.5 or 150 %." : "Enter a number, such as 12.5.";
