@@ -9,6 +9,7 @@
 #include <Eigen/SVD>
 
 #include "core/parallel.h"
+#include "core/scattered_bits.h"
 #include "laplacian.h"
 #include "linalg/sparse.h"
 
@@ -24,12 +25,9 @@ using Centred = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Col
 constexpr double rank_tolerance = 1e-8;
 constexpr int most_widenings = 3;
 
-/// Returns the output number `index` + 1 of SplitMix64 (Steele et al. 2014), started with the seed.
+/// Returns the output number `index` + 1 of SplitMix64, started with the seed.
 std::uint64_t random_bits(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
+  return scattered_bits(seed + (index + 1) * splitmix_step);
 }
 
 /// Returns the length of the noise at a vertex, × the mean length of its edges; negative lengths are against

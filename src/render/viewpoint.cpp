@@ -12,10 +12,10 @@
 #include <meshgraft/mesh/topology.h>
 
 #include "core/parallel.h"
+#include "core/scattered_bits.h"
 #include "mesh/ray_tracer.h"
 #include "mesh/up_axis.h"
 #include "occluders.h"
-#include "random.h"
 
 namespace meshgraft::render {
 
@@ -28,7 +28,7 @@ std::vector<std::uint64_t> face_hashes(const Mesh& mesh) {
     std::uint64_t hash = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const double x = mesh.positions(static_cast<Eigen::Index>(v), axis) + 0.0;  // -0 is 0
-      hash = scattered(hash + std::bit_cast<std::uint64_t>(x));
+      hash = scattered_bits(hash + std::bit_cast<std::uint64_t>(x));
     }
     of_vertex[v] = hash;
   }

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "core/parallel.h"
+#include "core/scattered_bits.h"
 
 namespace meshgraft {
 
@@ -28,13 +29,9 @@ std::span<T> chunk_of(std::span<T> list, std::size_t k, std::size_t chunks) {
   return list.subspan(begin, end - begin);
 }
 
-/// Returns a pseudo-random value in −1 … 1 for a number (the finaliser of SplitMix64).
+/// Returns a pseudo-random value in −1 … 1 for a number.
 double drawn(std::uint64_t number) {
-  number += 0x9e3779b97f4a7c15;
-  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9;
-  number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
-  number ^= number >> 31;
-  return static_cast<double>(number >> 11) * 0x1p-52 - 1;
+  return static_cast<double>(scattered_bits(number + splitmix_step) >> 11) * 0x1p-52 - 1;
 }
 
 double surface_area(const Points& points, const Triangles& triangles) {
