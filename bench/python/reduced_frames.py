@@ -18,7 +18,7 @@ MODELS = [("bar", 96), ("cylinder", 70), ("octopus", 40), ("cactus", 40), ("dino
 # Name: rotation about the length of the model (or the normal of the sheet), about an axis across it, and the rest.
 POSES = {"move": {}, "bend 45°": {"bend": 45}, "bend 90°": {"bend": 90}, "bend 120°": {"bend": 120},
          "twist 45°": {"twist": 45}, "twist 90°": {"twist": 90}, "twist 180°": {"twist": 180}, "twist 360°": {"twist": 360},
-         "turn, grow, move": {"bend": 60, "scale": 1.3, "moves": True}}
+         "twist 720°": {"twist": 720}, "turn, grow, move": {"bend": 60, "scale": 1.3, "moves": True}}
 
 
 def ends_of(mesh):
