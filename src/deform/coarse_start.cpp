@@ -30,7 +30,7 @@ Context without_progress(Context context) {
 std::unique_ptr<const CoarseStart> CoarseStart::make(const RestMesh& rest, const Region& region,
                                                      std::span<const VertexConstraint> constraints, Index free,
                                                      const DeformerOptions& options, const Context& context) {
-  if (free < fewest_free || !region.features.empty()) return nullptr;
+  if (free < fewest_free || !region.features.empty() || region.symmetric) return nullptr;
   ProxyOptions of_proxy{options, std::min(free / free_per_vertex, most_vertices_of_start)};
   of_proxy.deformer.method = DeformMethod::corotational;
   of_proxy.deformer.backend = SolverBackend::automatic;

@@ -17,8 +17,8 @@ namespace meshgraft {
 /// fewer steps follow.
 class CoarseStart {
  public:
-  /// Returns null if so few vertices are free that it would save no time, if there are features, and if no
-  /// proxy can be made.
+  /// Returns null if so few vertices are free that it would save no time, if there are features, if the region
+  /// is symmetric, and if no proxy can be made.
   static std::unique_ptr<const CoarseStart> make(const RestMesh& rest, const Region& region,
                                                  std::span<const VertexConstraint> constraints, Index free,
                                                  const DeformerOptions& options, const Context& context);

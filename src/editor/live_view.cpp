@@ -231,7 +231,6 @@ void LiveView::set_up(const DeformStep& step, DeformSetup setup, std::shared_ptr
   };
   LiveOptions options;
   options.deformer = step.settings.deformer;
-  if (step.symmetry) options.deformer.coarse_start = false;  // as saving does
   options.earlier = std::move(earlier);
   ResolvedProblem& problem = setup.problem;
   const auto count = static_cast<Index>(problem.rest.rows());

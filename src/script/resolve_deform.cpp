@@ -240,6 +240,7 @@ class DeformResolver {
     }
     resolved_.region.anchors = find_anchors(roles);
     require_counts(step_.counts, found(inside), location_);
+    resolved_.region.symmetric = step_.symmetry.has_value();
     resolved_.region.whole = is_whole() || static_cast<Index>(inside.size()) == context_.mesh.vertex_count();
     if (!resolved_.region.whole) resolved_.region.vertices = inside;
     return std::move(resolved_);

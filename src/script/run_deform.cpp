@@ -385,7 +385,6 @@ StepReport run_deform(const EditFile& edit, const DeformStep& step, const Locati
   report.result = step.result.empty() ? step.mesh : step.result;
   report.settings = effective_settings(step.settings, options.overrides);
   report.method = options.overrides.method.value_or(report.settings.deformer.method);
-  if (step.symmetry) report.settings.deformer.coarse_start = false;  // it is not symmetric
 
   context.step("select");
   DeformSetup setup = set_up_deform(edit, step, location, state, report.settings);

@@ -173,6 +173,9 @@ TEST(CoarseStart, IsMadeOnlyWhereItHelps) {
   EXPECT_TRUE(has_start(set_up(large)));
   EXPECT_FALSE(has_start(set_up(small)));
   EXPECT_FALSE(has_start(set_up(large, {.coarse_start = false})));
+  Region symmetric = held_foot(large);
+  symmetric.symmetric = true;
+  EXPECT_FALSE(has_start(set_up(large).with_region(symmetric)));
   for (const DeformMethod method : {DeformMethod::ft05, DeformMethod::rotation_aware})
     EXPECT_FALSE(has_start(set_up(large, {.method = method}))) << to_string(method);
 }

@@ -177,6 +177,7 @@ TEST(Symmetry, TheResultIsItsOwnMirrorImage) {
       const DeformStep step = step_of(symmetric, motion, method);
       const ResolvedDeform deform = resolved(symmetric, step);
       ASSERT_EQ(deform.region.handles.size(), 2U) << symmetric.name;
+      EXPECT_TRUE(deform.region.symmetric);
       EXPECT_EQ(deform.region.handles[1].name, "tip, mirrored");
       EXPECT_EQ(deform.region.handles[1].vertices, images_of(symmetric, deform.region.handles[0].vertices));
       EXPECT_TRUE(deform.notes.empty()) << deform.notes.front().text();

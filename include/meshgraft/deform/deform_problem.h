@@ -148,6 +148,7 @@ struct Region {
   std::vector<Handle> handles{};  ///< disjoint from each other and from `fixed`
   std::vector<Anchor> anchors{};
   std::vector<Feature> features{};
+  bool symmetric = false;  ///< results are to be as symmetric as poses, so that no proxy is solved first
 };
 
 /// A deformation to solve: a mesh at rest, the region that may move, and what constrains it. The region has
@@ -192,7 +193,8 @@ struct DeformerOptions {
   bool soften_coarse = true;
   int iterations = 20;  ///< largest number of co-rotational iterations
   /// Begins the iterations of 30,000 free vertices or more with rotations of a proxy, which saves steps. The
-  /// proxy of a symmetric problem is not symmetric, and leaves differences of 1e-4 of the motion or less.
+  /// proxy of a symmetric problem is not symmetric, and leaves differences of 1e-4 of the motion or less
+  /// (`Region::symmetric` leaves it out).
   bool coarse_start = true;
   /// Length over which the co-rotational field is smoothed, × the width of the surface between constraints.
   double smoothing_length_rel = 0.04;

@@ -50,7 +50,7 @@ function TargetDialog(props: TargetProps) {
   useEffect(() => {
     setAsks(false);
     setFailure(undefined);
-  }, [extension, typed]);
+  }, [extension, typed, folder]);
   const listing = useListing(page, folder);
   const name = withExtension(typed.trim(), extension);
   const fault = folder === null ? "Choose a folder." : faultOfName(typed);
@@ -113,10 +113,7 @@ function TargetDialog(props: TargetProps) {
       <FolderBrowser
         page={page}
         folder={folder}
-        onFolder={(to) => {
-          setFolder(to);
-          setAsks(false);
-        }}
+        onFolder={setFolder}
         listing={listing}
         onFile={(path) => setOwn(stemOf(path))}
         shows={(entry) => entry.name.endsWith(extension)}

@@ -10,7 +10,6 @@
 
 #include "core/facts.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "deform/facts.h"
 #include "deform/setup/free_vertices.h"
 #include "mesh/intersecting_triangles.h"
@@ -32,17 +31,7 @@ Flags free_triangles(Eigen::Index vertex_count, const Triangles& triangles,
                      std::span<const Index> free_vertices, const Context& context) {
   const Flags is_free = flag_free(vertex_count, free_vertices);
   require_vertices(triangles, vertex_count);
-  Flags free(triangles.rows(), 0);
-  parallel_blocks(
-      free.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t t = begin; t < end; ++t) {
-          const auto row = triangles.row(static_cast<Eigen::Index>(t));
-          free[t] = is_free[row[0]] || is_free[row[1]] || is_free[row[2]];
-        }
-      },
-      context, 4096);
-  return free;
+  return flag_faces(triangles, is_free, context);
 }
 
 // Collects pairs from several threads.

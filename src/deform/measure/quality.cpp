@@ -126,21 +126,6 @@ struct NearFaces {
   Flags is_free;  // per vertex
 };
 
-// Returns for each face whether one of its vertices is flagged.
-Flags flag_faces(const Triangles& triangles, const Flags& vertices, const Context& context) {
-  Flags faces(triangles.rows(), 0);
-  parallel_blocks(
-      faces.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t f = begin; f < end; ++f) {
-          const auto v = triangles.row(static_cast<Eigen::Index>(f));
-          faces[f] = vertices[v[0]] || vertices[v[1]] || vertices[v[2]];
-        }
-      },
-      context, 4096);
-  return faces;
-}
-
 // Returns the vertices of the flagged faces as flags.
 Flags flag_corners(const Triangles& triangles, const Flags& faces, Eigen::Index vertex_count) {
   Flags corners(vertex_count, 0);
