@@ -4,6 +4,8 @@
 
 #include <meshgraft/linalg/linear_solver.h>
 
+#include "matrix_change.h"
+
 namespace meshgraft {
 
 std::unique_ptr<LinearSolver> make_multifrontal_solver();  // defined only if it is built in
@@ -17,6 +19,14 @@ void bisect_for_multifrontal(const OrderingGraph& graph, const Context& context)
 /// Returns null if its backend has no analysis to share.
 std::unique_ptr<LinearSolver> copy_analysis(const LinearSolver& solver);
 std::unique_ptr<LinearSolver> copy_multifrontal_analysis(const LinearSolver& solver);  // if it is built in
+
+/// Returns a solver with the factor of a changed matrix. It shares most of the factor of `solver`, which must
+/// have factorised N. Returns null if the backend cannot do so, if it would save little work, or if the changed
+/// matrix is not positive definite.
+std::unique_ptr<LinearSolver> change_factor(const LinearSolver& solver, const MatrixChange& change,
+                                            const Context& context);
+std::unique_ptr<LinearSolver> change_multifrontal_factor(const LinearSolver& solver, const MatrixChange& change,
+                                                         const Context& context);  // if it is built in
 
 /// Rounds a factor to single precision, which serves a preconditioner and takes half the memory, if the backend
 /// can.

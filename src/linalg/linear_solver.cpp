@@ -56,6 +56,16 @@ std::unique_ptr<LinearSolver> copy_analysis([[maybe_unused]] const LinearSolver&
 #endif
 }
 
+std::unique_ptr<LinearSolver> change_factor([[maybe_unused]] const LinearSolver& solver,
+                                            [[maybe_unused]] const MatrixChange& change,
+                                            [[maybe_unused]] const Context& context) {
+#ifdef MESHGRAFT_HAS_MULTIFRONTAL
+  return change_multifrontal_factor(solver, change, context);
+#else
+  return nullptr;
+#endif
+}
+
 void round_factor([[maybe_unused]] LinearSolver& solver) {
 #ifdef MESHGRAFT_HAS_MULTIFRONTAL
   round_multifrontal_factor(solver);

@@ -283,8 +283,8 @@ TEST(PatchOperator, FewerMapsAreThoseOfAnOperatorMadeForThem) {
       const CutPatch cut = scene.cut();
       const ConstraintMask mask = operator_mask(cut, scene.mask), fewer = operator_mask(cut, scene.fewer);
       const PatchOperator rows(cut, mask, options, {});
-      EXPECT_FALSE(rows.fewer_maps(mask).has_value());
-      const auto maps = rows.fewer_maps(fewer);
+      EXPECT_FALSE(rows.fewer_maps(mask, {}).has_value());
+      const auto maps = rows.fewer_maps(fewer, {});
       EXPECT_EQ(maps.has_value(), fewer.transform != mask.transform);
       if (!maps || !rows.serves(fewer)) continue;
       ++compared;
@@ -313,7 +313,7 @@ TEST(PatchOperator, RowsOfAPartAreMultiplesOfThoseOfThePatch) {
       if (!rows.serves(fewer)) continue;
       ++served;
       const PatchOperator alone(small, of_part, options, {});
-      const auto maps = rows.fewer_maps(fewer);
+      const auto maps = rows.fewer_maps(fewer, {});
       const Eigen::MatrixXd shared = normal_of(rows.rows(), maps ? *maps : rows.rows().H(), fewer);
       double factor = 1;
       if (options.density == Density::aware)

@@ -214,6 +214,33 @@ TEST(WithRegion, CutsAreSharedWhereAMeshIsDissected) {
   }
 }
 
+// The factor of the first region is kept, but for the fronts that an added handle reaches.
+TEST(WithRegion, AddedHandlesChangeTheFactorOfTheLinearMethod) {
+  if (available_backends().front() != SolverBackend::multifrontal) GTEST_SKIP() << "not part of this build";
+  const DeformerOptions linear{.method = DeformMethod::ft05}, published = DeformerOptions::as_published();
+  for (const auto& [mesh, options] : std::vector<std::pair<TestMesh, DeformerOptions>>{
+           {irregular_grid(80, 60), linear}, {tube(40, 90), linear}, {tube(40, 90), published}}) {
+    const Scene scene = make_scene(mesh);
+    const Region region = held_foot(scene), more = with_handle(region, disc(scene, 1)),
+                 most = with_fixed(more, {between_ends(scene).front()});
+    SCOPED_TRACE(mesh.name);
+    const Deformer first = make(scene, region, options);
+    EXPECT_TRUE(expect_as_fresh(scene, first, more, options));
+    const Deformer second = first.with_region(more);
+    EXPECT_TRUE(expect_as_fresh(scene, second, most, options));
+    const Deformer third = second.with_region(most);
+    const SolverStatistics of_first = first.summary().solver;
+    for (const Deformer* deformer : {&second, &third}) {
+      const SolverStatistics changed = deformer->summary().solver;
+      EXPECT_EQ(changed.factor_nonzeros, of_first.factor_nonzeros);
+      EXPECT_LT(changed.peak_memory_bytes, of_first.peak_memory_bytes);
+      EXPECT_LT(changed.matrix_nonzeros, of_first.matrix_nonzeros);
+    }
+    const double condition = make(scene, most, options).condition_estimate();
+    EXPECT_NEAR(third.condition_estimate() / condition, 1, 0.5);
+  }
+}
+
 TEST(WithRegion, AHandleThatGoesAgainLeavesTheSameBytes) {
   for (const TestMesh& mesh : {bumpy_sphere(3), irregular_grid(22, 16), tube(14, 30)}) {
     SCOPED_TRACE(mesh.name);

@@ -85,6 +85,25 @@ TEST_F(DenseCholesky, TimesItsTransposeIsTheMatrix) {
   }
 }
 
+TEST_F(DenseCholesky, IsRestoredFromTheFactor) {
+  for (const DenseFront& front : front_families())
+    for (const int threads : {1, 2}) {
+      const MatrixXd panel = factorised(front);
+      MatrixXd restored = MatrixXd::Constant(front.rows(), front.columns, 7),
+               wanted = front.matrix.leftCols(front.columns);
+      wanted.triangularView<Eigen::StrictlyUpper>().setZero();
+      restore_panel(panel.data(), front.rows(), front.columns, restored.data(), with_threads(threads));
+      EXPECT_LE((restored - wanted).norm(), 1e-14 * front.matrix.norm()) << front.name();
+      EXPECT_TRUE(restored.triangularView<Eigen::StrictlyUpper>().toDenseMatrix().isZero(0)) << front.name();
+
+      MatrixXd update = MatrixXd::Zero(front.below(), front.below());
+      form_update(panel.data(), front.rows(), front.columns, update.data(), with_threads(threads));
+      take_back_update(panel.data(), front.rows(), front.columns, update.data(), with_threads(threads));
+      EXPECT_LE(update.triangularView<Eigen::Lower>().toDenseMatrix().norm(), 1e-14 * front.matrix.norm())
+          << front.name();
+    }
+}
+
 TEST_F(DenseCholesky, LeavesTheSchurComplementBelow) {
   for (const DenseFront& front : front_families()) {
     const int below = front.below();

@@ -1,6 +1,9 @@
 #include "linalg/direct/multifrontal.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -150,6 +153,101 @@ TEST(MultifrontalFactor, CountsAtLeastTheMemoryOfItsEntries) {
       factor.factorise(factor.permuted(family.lower, {}), {});
       EXPECT_GE(static_cast<double>(factor.peak_bytes()), 8 * pattern.factor_nonzeros()) << family.name;
     }
+}
+
+/// Removes some unknowns of a matrix, and raises the diagonal of others.
+struct ChangedMatrix {
+  NormalMatrix lower;
+  MatrixChange change;
+
+  ChangedMatrix(const NormalMatrix& before, const std::vector<int>& removed, const std::vector<int>& raised)
+      : change{.difference = NormalMatrix(before.rows(), before.cols()),
+               .number = std::vector<int>(before.rows(), 0)} {
+    for (const int u : removed) change.number[u] = -1;
+    int next = 0;
+    for (int& number : change.number)
+      if (number == 0) number = next++;
+    std::vector<Eigen::Triplet<double>> entries, differences;
+    for (Eigen::Index column = 0; column < before.cols(); ++column)
+      for (NormalMatrix::InnerIterator it(before, column); it; ++it) {
+        const auto row = static_cast<int>(it.row()), c = static_cast<int>(column);
+        const bool is_raised = row == c && std::find(raised.begin(), raised.end(), c) != raised.end();
+        if (change.number[row] >= 0 && change.number[c] >= 0) {
+          entries.emplace_back(change.number[row], change.number[c], (is_raised ? 1.5 : 1) * it.value());
+          if (is_raised) differences.emplace_back(row, c, 0.5 * it.value());
+        } else {
+          differences.emplace_back(row, c, row == c ? 0 : -it.value());
+        }
+      }
+    lower.resize(next, next);
+    lower.setFromTriplets(entries.begin(), entries.end());
+    change.difference.setFromTriplets(differences.begin(), differences.end());
+  }
+};
+
+/// Returns the largest entry of N X − I, where X are the solutions for the unit vectors.
+double inversion_error(const NormalMatrix& lower, const MultifrontalFactor& factor, int threads = 0) {
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(lower.rows(), lower.rows()),
+                        inverse = factor.solve(identity, with_threads(threads));
+  return (full_matrix(lower) * inverse - identity).cwiseAbs().maxCoeff();
+}
+
+TEST(MultifrontalFactor, OfAChangedMatrixSharesAndInverts) {
+  for (const Index reach : {1, 2}) {
+    const NormalMatrix lower = lattice_matrix(24, 24, reach);
+    int changed = 0, changed_twice = 0;
+    for (const SupernodalPattern& pattern : patterns_of(lower)) {
+      MultifrontalFactor factor(pattern);
+      factor.factorise(factor.permuted(lower, {}), {});
+      const Eigen::MatrixXd before = factor.solve(Eigen::MatrixXd::Ones(lower.rows(), 1), {});
+      for (const auto& [removed, raised] : std::vector<std::pair<std::vector<int>, std::vector<int>>>{
+               {{50}, {}}, {{50, 51, 74}, {52, 75}}, {{}, {0}}, {{500, 501}, {502}}}) {
+        const ChangedMatrix once(lower, removed, raised);
+        const auto first = factor.changed(once.change, {});
+        if (!first) continue;
+        ++changed;
+        EXPECT_LT(inversion_error(once.lower, *first), 1e-12);
+        EXPECT_LT(first->peak_bytes(), factor.peak_bytes());
+        const ChangedMatrix twice(once.lower, {2, 3, 27}, {4});
+        const auto second = first->changed(twice.change, {}),
+                   again = first->changed(twice.change, with_threads(1));
+        if (second) {
+          ++changed_twice;
+          EXPECT_LT(inversion_error(twice.lower, *second), 1e-12);
+          const Eigen::MatrixXd rhs = Eigen::MatrixXd::Random(twice.lower.rows(), 20);
+          EXPECT_TRUE(same_bytes(second->solve(rhs, {}), again->solve(rhs, with_threads(1))));
+        }
+        EXPECT_LT(inversion_error(once.lower, *first), 1e-12);  // as before
+      }
+      EXPECT_TRUE(same_bytes(factor.solve(Eigen::MatrixXd::Ones(lower.rows(), 1), {}), before));
+    }
+    EXPECT_GE(changed, 4);
+    EXPECT_GE(changed_twice, 2);
+  }
+}
+
+TEST(MultifrontalFactor, OfAChangedMatrixOutlivesTheFirst) {
+  const NormalMatrix lower = lattice_matrix(24, 24);
+  const ChangedMatrix once(lower, {50}, {51});
+  std::optional<MultifrontalFactor> changed;
+  {
+    MultifrontalFactor factor(symbolic_factorisation(lower, dissections_of(lower).back(), {}));
+    factor.factorise(factor.permuted(lower, {}), {});
+    changed = factor.changed(once.change, {});
+    factor.factorise(factor.permuted(2.0 * lower, {}), {});
+  }
+  ASSERT_TRUE(changed);
+  EXPECT_LT(inversion_error(once.lower, *changed), 1e-12);
+}
+
+TEST(MultifrontalFactor, OfAChangedMatrixIsRefusedIfThatIsIndefinite) {
+  const NormalMatrix lower = lattice_matrix(24, 24);
+  MultifrontalFactor factor(symbolic_factorisation(lower, dissections_of(lower).back(), {}));
+  factor.factorise(factor.permuted(lower, {}), {});
+  ChangedMatrix bad(lower, {}, {50});
+  bad.change.difference *= -3.0;
+  EXPECT_THROW(factor.changed(bad.change, {}), Error);
+  EXPECT_LT(inversion_error(lower, factor), 1e-12);
 }
 
 TEST(MultifrontalFactor, StopsWhenAsked) {

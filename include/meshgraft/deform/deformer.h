@@ -31,8 +31,8 @@ class Deformer {
   /// constructed Deformer to 1e-10 of the bounding box. Neither Deformer depends on the other afterwards.
   ///
   /// The two share the patch, the operator and the bisection tree of the elimination order where possible.
-  /// Then only the matrix is assembled and factorised anew; otherwise nothing is shared. `summary().reused`
-  /// says which. Sharing requires that all unknowns of the new Deformer are unknowns here, and that they are
+  /// With `ft05`, without anchors, they share most of the factor, too, if a little less is unknown. `reused` in
+  /// the summary says whether anything is shared. All unknowns of the new Deformer must be unknowns here, and
   /// at least about half of these. Examples are one more handle, more fixed vertices, or removal of a handle
   /// that an earlier call added.
   ///
@@ -72,7 +72,7 @@ class Deformer {
   /// of poses.
   std::vector<VertexConstraint> constraints(std::span<const HandlePose> poses) const;
 
-  /// Returns a lower bound of the condition number of AᵀA, at the cost of a few solves.
+  /// Returns a lower bound of the condition number ‖AᵀA‖₁ ‖(AᵀA)⁻¹‖₁, by AᵀA and a few solves.
   double condition_estimate(const Context& context = {}) const;
 
   /// Returns the operator over the patch on which the system is solved (scaled to unit size): L, Δ, H, P, A.

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "core/parallel.h"
 #include "linalg/sparse.h"
 #include "operators/laplacian.h"
 
@@ -122,7 +123,7 @@ bool PatchOperator::serves(const PatchPart& part, const Patch& patch) const {
   });
 }
 
-std::optional<SparseRows> PatchOperator::fewer_maps(const ConstraintMask& mask) const {
+std::optional<SparseRows> PatchOperator::fewer_maps(const ConstraintMask& mask, const Context& context) const {
   const SparseRows& H = rows_.H();
   std::vector<int> lengths(H.rows(), 0);
   bool fewer = false;
@@ -135,11 +136,14 @@ std::optional<SparseRows> PatchOperator::fewer_maps(const ConstraintMask& mask) 
   }
   if (!fewer) return {};
   SparseRows kept = rows_of_lengths(lengths, H.cols());
-  for (Index row = 0; row < static_cast<Index>(H.rows()); ++row) {
-    const int from = H.outerIndexPtr()[row], to = kept.outerIndexPtr()[row];
-    std::copy_n(H.innerIndexPtr() + from, lengths[row], kept.innerIndexPtr() + to);
-    std::copy_n(H.valuePtr() + from, lengths[row], kept.valuePtr() + to);
-  }
+  const auto copy = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      const int from = H.outerIndexPtr()[row], to = kept.outerIndexPtr()[row];
+      std::copy_n(H.innerIndexPtr() + from, lengths[row], kept.innerIndexPtr() + to);
+      std::copy_n(H.valuePtr() + from, lengths[row], kept.valuePtr() + to);
+    }
+  };
+  parallel_blocks(lengths.size(), copy, context, 4096);
   return kept;
 }
 

@@ -74,7 +74,7 @@ class PatchOperator {
   /// factor.
   bool serves(const PatchPart& part, const Patch& patch) const;
   /// Returns H without the maps that are known now, or nullopt if H has none of them.
-  std::optional<SparseRows> fewer_maps(const ConstraintMask& mask) const;
+  std::optional<SparseRows> fewer_maps(const ConstraintMask& mask, const Context& context) const;
 
  private:
   OperatorOptions options_;

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "core/require_between.h"
+#include "linalg/backends.h"
 #include "linalg/early_bisection.h"
 #include "linalg/sparse.h"
 #include "linalg/sparse_products.h"
@@ -42,25 +43,57 @@ ConstrainedSystem::ConstrainedSystem(const ConstrainedMesh& mesh, const Deformer
     summary.degenerate_vertices = count_degenerate();
   }
   summary.free_vertices = static_cast<Index>(free_.size());
-  if (patch().size() > 0) assemble_and_factorise(options, summary, watch, context);
+  if (patch().size() > 0)
+    assemble_and_factorise(options, summary, watch, summary.reused ? other : nullptr, context);
 }
 
-/// Sets up the solver. The ordering graph is bisected beside the assembly of the rows, which takes about as
-/// long.
+/// Sets up the solver, if possible from that of a system with the same operator. The ordering graph is bisected
+/// beside the assembly of the rows, which takes about as long.
 void ConstrainedSystem::assemble_and_factorise(const DeformerOptions& options, DeformerSummary& summary,
-                                               Stopwatch& watch, const Context& context) {
+                                               Stopwatch& watch, const ConstrainedSystem* other,
+                                               const Context& context) {
   const SparseRows F = choose_unknowns(context);
   if (E_.cols() == 0) return;
   const OrderingGraph graph = ordering_graph();
   std::future<void> bisection = begin_bisection(graph, options.backend, context);
   build_rows(F, options, context);
-  NormalMatrix normal = normal_matrix(context);
-  normal_one_norm_ = one_norm(normal);
-  context.throw_if_stopped();
-  summary.assemble_seconds = watch.lap();
-  bisection.get();
-  factorise(std::move(normal), graph, options, summary, watch, context);
+  if (other == nullptr || !change_factor_of(*other, options.backend, summary, watch, context)) {
+    NormalMatrix normal = normal_matrix(context);
+    context.throw_if_stopped();
+    summary.assemble_seconds += watch.lap();
+    bisection.get();
+    factorise(std::move(normal), graph, options, summary, watch, context);
+  }
   prepare_similarities(context);
+}
+
+/// Returns for each unknown of `other` its number here, or -1.
+std::vector<int> ConstrainedSystem::numbers_of(const ConstrainedSystem& other) const {
+  std::vector<int> number(other.E_.cols(), -1);
+  for (Eigen::Index node = 0; node < E_.rows(); ++node)
+    for (SparseRows::InnerIterator before(other.E_, node), now(E_, node); before && now; ++before, ++now)
+      number[before.col()] = static_cast<int>(now.col());
+  return number;
+}
+
+/// Makes the solver from the factor of another system with the same operator and few other rows. Returns false
+/// if it does not know how to. The free area scales stiffness and anchors, so that their rows differ
+/// everywhere.
+bool ConstrainedSystem::change_factor_of(const ConstrainedSystem& other, SolverBackend backend,
+                                         DeformerSummary& summary, Stopwatch& watch, const Context& context) {
+  if (other.solver_ == nullptr || other.A_L_.rows() != A_L_.rows() || !edge_rows_.empty() || !anchors_.empty())
+    return false;
+  if (backend == SolverBackend::iterative || other.solver_->statistics().backend != SolverBackend::multifrontal)
+    return false;
+  const std::optional<MatrixChange> change = change_of_normal(
+      {other.A_L_, other.G_}, {A_L_, G_}, [&] { return coupling(context); }, numbers_of(other), context);
+  if (!change) return false;
+  summary.assemble_seconds += watch.lap();
+  solver_ = change_factor(*other.solver_, *change, context);
+  if (solver_ == nullptr) return false;
+  summary.factorise_seconds = watch.lap();
+  summary.solver = solver_->statistics();
+  return true;
 }
 
 /// Takes over the other system's patch, rows and bisection tree. Returns false if they differ from those of
@@ -95,7 +128,7 @@ bool ConstrainedSystem::share(const ConstrainedSystem& other, const ConstrainedM
   require_solvable(patch(), rings, mask_);
   part_ = std::move(part);
   operators_ = other.operators_;
-  fewer_maps_ = operators.fewer_maps(mask_);
+  fewer_maps_ = operators.fewer_maps(mask_, context);
   *bisection_ = *other.bisection_;
   return true;
 }
@@ -158,7 +191,7 @@ std::vector<double> ConstrainedSystem::stiffness_scales(const DeformerOptions& o
       if (is_free(t[c]) && is_free(t[(c + 1) % 3])) components.unite(t[c], t[(c + 1) % 3]);
   std::vector<FreeComponent> sizes(patch().size());
   for (Index v = 0; v < patch().size(); ++v)
-    if (is_free(v)) ++sizes[components.root(v)].vertices;
+    if (is_free(v)) sizes[components.root(v)].vertices += options.vertices_represented;
   for (const auto& t : patch().triangles.rowwise())
     if (const auto free = std::find_if(t.begin(), t.end(), is_free); free != t.end())
       sizes[components.root(*free)].area += area_of(t);
@@ -349,7 +382,6 @@ void ConstrainedSystem::factorise(NormalMatrix normal, const OrderingGraph& grap
   if (!anchors_.empty() && options.operators.density == Density::aware) {
     weigh_anchors(context);
     normal = normal_matrix(context);
-    normal_one_norm_ = one_norm(normal);
     solver_->factorise_and_free(normal, context);
   }
   summary.factorise_seconds = watch.lap();
@@ -373,7 +405,7 @@ Eigen::Index ConstrainedSystem::shared_row(Eigen::Index s) const {
 }
 
 double ConstrainedSystem::condition_estimate(const Context& context) const {
-  return solver_ ? estimate_condition(normal_one_norm_, *solver_, context) : 1.0;
+  return solver_ ? estimate_condition(one_norm(normal_matrix(context)), *solver_, context) : 1.0;
 }
 
 }  // namespace meshgraft

@@ -160,7 +160,10 @@ class ConstrainedSystem {
   void restrict_to_patch(const ConstrainedMesh& mesh);
   void build_operator(const OperatorOptions& options, const Context& context);
   void assemble_and_factorise(const DeformerOptions& options, DeformerSummary& summary, Stopwatch& watch,
-                              const Context& context);
+                              const ConstrainedSystem* other, const Context& context);
+  std::vector<int> numbers_of(const ConstrainedSystem& other) const;
+  bool change_factor_of(const ConstrainedSystem& other, SolverBackend backend, DeformerSummary& summary,
+                        Stopwatch& watch, const Context& context);
   SparseRows choose_unknowns(const Context& context);
   void build_rows(const SparseRows& F, const DeformerOptions& options, const Context& context);
   double area_of(const Eigen::RowVector3<Index>& corners) const;
@@ -222,7 +225,6 @@ class ConstrainedSystem {
   SparseRows E_, A_L_, A_L_transposed_, G_, G_transposed_;
   std::unique_ptr<LinearSolver> solver_;
   std::shared_ptr<BisectionTree> bisection_ = std::make_shared<BisectionTree>();  ///< of the patch's rings
-  double normal_one_norm_ = 0;
   int residual_corrections_ = 1;
 
   // Each feature has four shared columns. They are the last columns of y.

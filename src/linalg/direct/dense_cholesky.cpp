@@ -16,6 +16,8 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
             const double* a, const int* lda, const double* beta, double* c, const int* ldc);
 void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
             const int* n, const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
+void dtrmm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
+            const int* n, const double* alpha, const double* a, const int* lda, double* b, const int* ldb);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 }
 // NOLINTEND(readability-identifier-naming)
@@ -42,9 +44,10 @@ constexpr int tile_size = 384;
 
 int tiles_of(int length) { return (length + tile_size - 1) / tile_size; }
 
-/// Computes C = beta C − A Bᵀ on the lower triangle of tiles. C is rows×columns with its diagonal at (0, 0).
-void update_lower(const double* a, int lda, int rows, int columns, int depth, double beta, double* c, int ldc,
-                  const Context& context) {
+/// Computes C = beta C + alpha A Aᵀ on the lower triangle of tiles. C is rows×columns with its diagonal at
+/// (0, 0).
+void update_lower(double alpha, const double* a, int lda, int rows, int columns, int depth, double beta,
+                  double* c, int ldc, const Context& context) {
   struct Tile {
     int row, column;
   };
@@ -57,13 +60,13 @@ void update_lower(const double* a, int lda, int rows, int columns, int depth, do
     int m = std::min(tile_size, rows - row), below = row;
     double* corner = c + row + static_cast<std::int64_t>(column) * ldc;
     if (row == column) {
-      dsyrk_("L", "N", &n, &depth, &minus_one, a + row, &lda, &beta, corner, &ldc);
+      dsyrk_("L", "N", &n, &depth, &alpha, a + row, &lda, &beta, corner, &ldc);
       m -= n;
       below += n;
       corner += n;
       if (m <= 0) return;
     }
-    dgemm_("N", "T", &m, &n, &depth, &minus_one, a + below, &lda, a + column, &lda, &beta, corner, &ldc);
+    dgemm_("N", "T", &m, &n, &depth, &alpha, a + below, &lda, a + column, &lda, &beta, corner, &ldc);
   });
 }
 
@@ -82,7 +85,7 @@ int factorise_panel(double* panel, int rows, int columns, const Context& context
       dtrsm_("R", "L", "T", "N", &m, &width, &one, diagonal, &rows, diagonal + width + first, &rows);
     });
     if (const int right = columns - begin - width; right > 0)
-      update_lower(diagonal + width, rows, below, right, width, one,
+      update_lower(minus_one, diagonal + width, rows, below, right, width, one,
                    diagonal + width + static_cast<std::int64_t>(width) * rows, rows, context);
   }
   return columns;
@@ -90,7 +93,29 @@ int factorise_panel(double* panel, int rows, int columns, const Context& context
 
 void form_update(const double* panel, int rows, int columns, double* update, const Context& context) {
   const int below = rows - columns;
-  if (below > 0) update_lower(panel + columns, rows, below, below, columns, zero, update, below, context);
+  if (below > 0)
+    update_lower(minus_one, panel + columns, rows, below, below, columns, zero, update, below, context);
+}
+
+void take_back_update(const double* panel, int rows, int columns, double* update, const Context& context) {
+  const int below = rows - columns;
+  if (below > 0) update_lower(one, panel + columns, rows, below, below, columns, one, update, below, context);
+}
+
+// Rows of L times L₁₁ᵀ. Those of A₁₁ are needed up to the diagonal only.
+void restore_panel(const double* panel, int rows, int columns, double* restored, const Context& context) {
+  for_each_tile(tiles_of(rows), context, [&](int t) {
+    const int first = t * tile_size, m = std::min(tile_size, rows - first), n = std::min(columns, first + m);
+    for (int c = 0; c < columns; ++c) {
+      const std::int64_t at = first + static_cast<std::int64_t>(c) * rows;
+      const int zeros = std::clamp(c - first, 0, m);
+      std::fill_n(restored + at, zeros, 0.0);
+      std::copy_n(panel + at + zeros, m - zeros, restored + at + zeros);
+    }
+    dtrmm_("R", "L", "T", "N", &m, &n, &one, panel, &rows, restored + first, &rows);
+    for (int c = first + 1; c < n; ++c)
+      std::fill_n(restored + first + static_cast<std::int64_t>(c) * rows, c - first, 0.0);
+  });
 }
 
 }  // namespace meshgraft

@@ -16,4 +16,10 @@ int factorise_panel(double* panel, int rows, int columns, const Context& context
 /// Computes update = −L₂₁ L₂₁ᵀ (lower triangle) for the rows below the first `columns` of a factorised panel.
 void form_update(const double* panel, int rows, int columns, double* update, const Context& context);
 
+/// Computes update ← update + L₂₁ L₂₁ᵀ (lower triangle).
+void take_back_update(const double* panel, int rows, int columns, double* update, const Context& context);
+
+/// Computes the panel that `factorise_panel` had: `restored` = (A₁₁ over A₂₁), with zeros above the diagonal.
+void restore_panel(const double* panel, int rows, int columns, double* restored, const Context& context);
+
 }  // namespace meshgraft

@@ -107,34 +107,49 @@ class UpdateStore {
 struct MultifrontalFactor::Front {
   int first = 0, columns = 0, rows = 0;
   const int* positions = nullptr;  ///< of its rows
-  double* panel = nullptr;         ///< rows×columns, column-major
 
   int below() const { return rows - columns; }
+  std::int64_t panel_size() const { return static_cast<std::int64_t>(rows) * columns; }
   std::int64_t update_size() const { return static_cast<std::int64_t>(below()) * below(); }
 };
 
 MultifrontalFactor::Front MultifrontalFactor::front(int node) const {
-  const int first = pattern_.first_position[node];
-  return {first, pattern_.first_position[node + 1] - first,
-          static_cast<int>(pattern_.rows_begin[node + 1] - pattern_.rows_begin[node]),
-          pattern_.rows.data() + pattern_.rows_begin[node],
-          values_ == nullptr ? nullptr : values_.get() + panel_begin_[node]};
+  const SupernodalPattern& pattern = shape_->pattern;
+  const int first = pattern.first_position[node];
+  return {first, pattern.first_position[node + 1] - first,
+          static_cast<int>(pattern.rows_begin[node + 1] - pattern.rows_begin[node]),
+          pattern.rows.data() + pattern.rows_begin[node]};
+}
+
+/// Returns a supernode's columns of L (rows×columns, column-major).
+const double* MultifrontalFactor::panel(int node) const {
+  if (!replaced_.empty() && replaced_[node] != nullptr) return replaced_[node].get();
+  return static_cast<const double*>(panels_->begin) + shape_->panel_begin[node];
+}
+
+MultifrontalFactor::Shape::Shape(SupernodalPattern of_matrix)
+    : pattern(std::move(of_matrix)),
+      parent(parents(pattern)),
+      panel_begin(1, 0),
+      children(parent.size()),
+      forest(parent, work(pattern)) {
+  for (int node = 0; node < pattern.supernodes(); ++node) {
+    const std::int64_t rows = pattern.rows_begin[node + 1] - pattern.rows_begin[node];
+    panel_begin.push_back(panel_begin.back() +
+                          rows * (pattern.first_position[node + 1] - pattern.first_position[node]));
+    if (parent[node] >= 0) children[parent[node]].push_back(node);
+  }
 }
 
 MultifrontalFactor::MultifrontalFactor(SupernodalPattern pattern)
-    : pattern_(std::move(pattern)),
-      inverse_permutation_(pattern_.order.size()),
-      parent_(parents(pattern_)),
-      panel_begin_(1, 0),
-      children_(parent_.size()),
-      forest_(parent_, work(pattern_)) {
-  for (std::size_t p = 0; p < inverse_permutation_.size(); ++p)
-    inverse_permutation_[pattern_.order[p]] = static_cast<int>(p);
-  for (int node = 0; node < pattern_.supernodes(); ++node) {
-    const Front f = front(node);
-    panel_begin_.push_back(panel_begin_.back() + static_cast<std::int64_t>(f.rows) * f.columns);
-    if (parent_[node] >= 0) children_[parent_[node]].push_back(node);
-  }
+    : shape_(std::make_shared<const Shape>(std::move(pattern))) {
+  number_unknowns(shape_->pattern.order);
+}
+
+void MultifrontalFactor::number_unknowns(std::vector<int> order) {
+  order_ = std::move(order);
+  inverse_permutation_.resize(order_.size());
+  for (std::size_t p = 0; p < order_.size(); ++p) inverse_permutation_[order_[p]] = static_cast<int>(p);
 }
 
 /// The data of one factorisation.
@@ -142,16 +157,13 @@ struct MultifrontalFactor::Elimination {
   LowerEntries entries;
   UpdateStore store;
   std::vector<UpdateStore::Block> updates;  ///< per supernode, until its parent has added it
-};
 
-/// Copies the supernode's columns of the matrix to the panel. `row_at` gives the front's row of a position.
-void MultifrontalFactor::gather_panel(const Front& f, const LowerEntries& entries,
-                                      const std::vector<int>& row_at) const {
-  std::fill_n(f.panel, static_cast<std::int64_t>(f.rows) * f.columns, 0.0);
-  for (int c = 0; c < f.columns; ++c)
-    for (std::int64_t e = entries.begin[f.first + c]; e < entries.begin[f.first + c + 1]; ++e)
-      f.panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] = entries.value[e];
-}
+  Elimination(LowerEntries of_matrix, int supernodes) : entries(std::move(of_matrix)), updates(supernodes) {}
+  double* make_update(int node, const Front& f) {
+    if (f.below() > 0) updates[node] = store.take(f.update_size());
+    return updates[node].values.get();
+  }
+};
 
 /// Adds the columns of the children's updates that fall into columns [from, to) of the front to `target`.
 /// `target` holds the front's rows and columns from `shift` on, with `stride` rows per column.
@@ -159,9 +171,10 @@ void MultifrontalFactor::add_updates(int node, int from, int to, const std::vect
                                      const Elimination& elimination, double* target, int shift,
                                      int stride) const {
   std::vector<int> rows;
-  for (const int child : children_[node]) {
-    const Front g = front(child);
+  for (const int child : shape_->children[node]) {
     const double* update = elimination.updates[child].values.get();
+    if (update == nullptr) continue;  // a child that is not eliminated again
+    const Front g = front(child);
     const int below = g.below();
     rows.resize(below);
     for (int r = 0; r < below; ++r) rows[r] = row_at[g.positions[g.columns + r]];
@@ -175,25 +188,80 @@ void MultifrontalFactor::add_updates(int node, int from, int to, const std::vect
   }
 }
 
+/// Adds the entries of the matrix and the children's updates to the columns of a supernode, and factorises
+/// them. `row_at` gives the front's row of a position.
+void MultifrontalFactor::complete_panel(int node, double* panel, const std::vector<int>& row_at,
+                                        const Elimination& elimination, const Context& context) const {
+  const Front f = front(node);
+  const LowerEntries& entries = elimination.entries;
+  for (int c = 0; c < f.columns; ++c)
+    for (std::int64_t e = entries.begin[f.first + c]; e < entries.begin[f.first + c + 1]; ++e)
+      panel[row_at[entries.row[e]] + static_cast<std::int64_t>(c) * f.rows] += entries.value[e];
+  add_updates(node, 0, f.columns, row_at, elimination, panel, 0, f.rows);
+  const int good = factorise_panel(panel, f.rows, f.columns, context);
+  if (good < f.columns)
+    throw Error(
+        facts::linalg::NotPositiveDefinite{.count = order_.size(), .at = std::array{order_[f.first + good]}});
+}
+
+/// Adds the children's updates to a front's own one.
+void MultifrontalFactor::pass_on_updates(int node, const std::vector<int>& row_at,
+                                         Elimination& elimination) const {
+  if (const Front f = front(node); f.below() > 0)
+    add_updates(node, f.columns, f.rows, row_at, elimination, elimination.updates[node].values.get(), f.columns,
+                f.below());
+  for (const int child : shape_->children[node])
+    elimination.store.give_back(std::move(elimination.updates[child]));
+}
+
 /// Eliminates a supernode. The children's updates in the panel are added before its factorisation, the others
 /// after the front's own update is formed.
-void MultifrontalFactor::eliminate(int node, std::vector<int>& row_at, Elimination& elimination,
-                                   const Context& context) const {
+void MultifrontalFactor::eliminate(int node, double* panel, const std::vector<int>& row_at,
+                                   Elimination& elimination, const Context& context) const {
   const Front f = front(node);
-  for (int r = 0; r < f.rows; ++r) row_at[f.positions[r]] = r;
-  gather_panel(f, elimination.entries, row_at);
-  add_updates(node, 0, f.columns, row_at, elimination, f.panel, 0, f.rows);
-  const int good = factorise_panel(f.panel, f.rows, f.columns, context);
-  if (good < f.columns)
-    throw Error(facts::linalg::NotPositiveDefinite{.count = pattern_.order.size(),
-                                                   .at = std::array{pattern_.order[f.first + good]}});
-  if (f.below() > 0) {
-    UpdateStore::Block& update = elimination.updates[node];
-    update = elimination.store.take(f.update_size());
-    form_update(f.panel, f.rows, f.columns, update.values.get(), context);
-    add_updates(node, f.columns, f.rows, row_at, elimination, update.values.get(), f.columns, f.below());
-  }
-  for (const int child : children_[node]) elimination.store.give_back(std::move(elimination.updates[child]));
+  std::fill_n(panel, f.panel_size(), 0.0);
+  complete_panel(node, panel, row_at, elimination, context);
+  form_update(panel, f.rows, f.columns, elimination.make_update(node, f), context);
+  pass_on_updates(node, row_at, elimination);
+}
+
+/// Eliminates a supernode of a changed matrix. Its front is restored from the panel before. What it passes on
+/// is the change of its update.
+void MultifrontalFactor::eliminate_again(int node, double* panel, const std::vector<int>& row_at,
+                                         Elimination& elimination, const Context& context) const {
+  const Front f = front(node);
+  const double* const before = this->panel(node);
+  restore_panel(before, f.rows, f.columns, panel, context);
+  complete_panel(node, panel, row_at, elimination, context);
+  double* const update = elimination.make_update(node, f);
+  form_update(panel, f.rows, f.columns, update, context);
+  take_back_update(before, f.rows, f.columns, update, context);
+  pass_on_updates(node, row_at, elimination);
+}
+
+/// Calls `visit(node, row_at)` for the chosen supernodes, children before their parents. `row_at` gives the
+/// front's row of a position.
+void MultifrontalFactor::visit_fronts(const Flags& chosen,
+                                      const std::function<void(int, const std::vector<int>&)>& visit,
+                                      const Context& context) const {
+  const SingleThreadedBlas single_threaded(context);
+  std::int64_t columns = 0;
+  for (int node = 0; node < supernodes(); ++node) columns += chosen[node] ? front(node).columns : 0;
+  std::atomic<std::int64_t> eliminated = 0;
+  tbb::enumerable_thread_specific<std::vector<int>> row_maps([&] { return std::vector<int>(order_.size()); });
+  const auto caller = std::this_thread::get_id();
+  shape_->forest.visit_up(
+      [&](int node) {
+        if (!chosen[node]) return;
+        const Front f = front(node);
+        std::vector<int>& row_at = row_maps.local();
+        for (int r = 0; r < f.rows; ++r) row_at[f.positions[r]] = r;
+        visit(node, row_at);
+        eliminated += f.columns;
+        if (std::this_thread::get_id() == caller)
+          context.step("factorise", static_cast<double>(eliminated) / static_cast<double>(columns));
+      },
+      context);
 }
 
 LowerEntries MultifrontalFactor::permuted(const NormalMatrix& lower, const Context& context) const {
@@ -201,45 +269,103 @@ LowerEntries MultifrontalFactor::permuted(const NormalMatrix& lower, const Conte
 }
 
 void MultifrontalFactor::factorise(LowerEntries entries, const Context& context) {
-  const SingleThreadedBlas single_threaded(context);
-  Elimination elimination{.entries = std::move(entries), .store = {}, .updates = {}};
-  elimination.updates.resize(parent_.size());
+  Elimination elimination(std::move(entries), supernodes());
   rounded_.reset();
-  values_.reset(allocate_doubles(panel_begin_.back()));
-  const auto unknowns = static_cast<double>(pattern_.order.size());
-  std::atomic<std::int64_t> eliminated = 0;
-  tbb::enumerable_thread_specific<std::vector<int>> row_maps(
-      [&] { return std::vector<int>(pattern_.order.size()); });
-  const auto caller = std::this_thread::get_id();
-  forest_.visit_up(
-      [&](int node) {
-        eliminate(node, row_maps.local(), elimination, context);
-        eliminated += front(node).columns;
-        if (std::this_thread::get_id() == caller)
-          context.step("factorise", static_cast<double>(eliminated) / unknowns);
+  replaced_.clear();
+  panels_.reset();  // frees it before the allocation
+  panels_ = std::make_shared<Memory>(allocate_doubles(panel_numbers()));
+  auto* const panels = static_cast<double*>(panels_->begin);
+  visit_fronts(
+      Flags(supernodes(), 1),
+      [&](int node, const std::vector<int>& row_at) {
+        eliminate(node, panels + shape_->panel_begin[node], row_at, elimination, context);
       },
       context);
-  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * (panel_begin_.back() + elimination.store.peak()) +
-                static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(pattern_.rows.size());
+  count_peak(panel_numbers() + elimination.store.peak());
+}
+
+void MultifrontalFactor::count_peak(std::int64_t numbers) {
+  peak_bytes_ = static_cast<std::int64_t>(sizeof(double)) * numbers +
+                static_cast<std::int64_t>(sizeof(int)) * static_cast<std::int64_t>(shape_->pattern.rows.size());
+}
+
+/// Returns the supernodes with an entry in their columns, and all ancestors of these.
+Flags MultifrontalFactor::supernodes_above(const LowerEntries& entries) const {
+  const SupernodalPattern& pattern = shape_->pattern;
+  Flags above(supernodes(), 0);
+  for (int node = 0; node < supernodes(); ++node) {
+    above[node] |=
+        entries.begin[pattern.first_position[node]] < entries.begin[pattern.first_position[node + 1]];
+    if (const int parent = shape_->parent[node]; parent >= 0) above[parent] |= above[node];
+  }
+  return above;
+}
+
+std::optional<MultifrontalFactor> MultifrontalFactor::changed(const MatrixChange& change,
+                                                              const Context& context) const {
+  // Eliminating a supernode again takes twice the work. Removed unknowns still take part in every solve.
+  constexpr double largest_share = 0.45, most_removed = 0.25;
+  const auto kept = static_cast<double>(change.number.size()) -
+                    static_cast<double>(std::count(change.number.begin(), change.number.end(), -1));
+  if (kept < (1 - most_removed) * static_cast<double>(order_.size())) return std::nullopt;
+  Elimination elimination(permuted(change.difference, context), supernodes());
+  const Flags again = supernodes_above(elimination.entries);
+  double of_changed = 0, of_all = 0;
+  const std::vector<double> operations = work(shape_->pattern);
+  for (int node = 0; node < supernodes(); ++node) {
+    of_all += operations[node];
+    if (again[node]) of_changed += operations[node];
+  }
+  if (of_changed > largest_share * of_all) return std::nullopt;
+
+  MultifrontalFactor result(*this);
+  result.renumber(change.number);
+  result.replaced_.resize(supernodes());
+  std::atomic<std::int64_t> numbers = 0;
+  visit_fronts(
+      again,
+      [&](int node, const std::vector<int>& row_at) {
+        const std::int64_t size = front(node).panel_size();
+        std::shared_ptr<double[]> panel(new double[size]);
+        eliminate_again(node, panel.get(), row_at, elimination, context);
+        result.replaced_[node] = std::move(panel);
+        numbers += size;
+      },
+      context);
+  result.count_peak(numbers + elimination.store.peak());
+  return result;
+}
+
+/// Numbers the unknowns anew. Removed ones get the numbers after the last.
+void MultifrontalFactor::renumber(const std::vector<int>& number) {
+  auto removed = static_cast<int>(number.size() - std::count(number.begin(), number.end(), -1));
+  std::vector<int> order = order_;
+  for (int& unknown : order) {
+    const bool stays = unknown < static_cast<int>(number.size()) && number[unknown] >= 0;
+    unknown = stays ? number[unknown] : removed++;
+  }
+  number_unknowns(std::move(order));
+  has_removed_ = true;
 }
 
 /// Returns whether the factor has no number beyond the range of single precision, and no diagonal below it.
 bool MultifrontalFactor::is_within_singles() const {
   constexpr double least = 1e-30, most = 1e30;
-  for (int node = 0; node < pattern_.supernodes(); ++node) {
+  for (int node = 0; node < supernodes(); ++node) {
     const Front f = front(node);
     for (int c = 0; c < f.columns; ++c)
-      if (!(f.panel[static_cast<std::int64_t>(c) * (f.rows + 1)] > least)) return false;
+      if (!(panel(node)[static_cast<std::int64_t>(c) * (f.rows + 1)] > least)) return false;
   }
-  return std::all_of(values_.get(), values_.get() + panel_begin_.back(),
-                     [](double value) { return std::abs(value) < most; });
+  const auto* const values = static_cast<const double*>(panels_->begin);
+  return std::all_of(values, values + panel_numbers(), [](double value) { return std::abs(value) < most; });
 }
 
 // Rounds in place, because the first access to other memory would take longer.
 void MultifrontalFactor::round() {
-  const std::int64_t count = panel_begin_.back();
-  if (count == 0 || !is_within_singles()) return;
-  void* const memory = values_.release();
+  const std::int64_t count = panel_numbers();
+  if (count == 0 || panels_.use_count() > 1 || !replaced_.empty() || !is_within_singles()) return;
+  void* const memory = std::exchange(panels_->begin, nullptr);
+  panels_.reset();
   for (std::int64_t k = 0; k < count; ++k) {
     double value = 0;
     std::memcpy(&value, static_cast<const double*>(memory) + k, sizeof value);
@@ -247,7 +373,7 @@ void MultifrontalFactor::round() {
     std::memcpy(static_cast<float*>(memory) + k, &rounded, sizeof rounded);
   }
   void* const shrunk = std::realloc(memory, static_cast<std::size_t>(count) * sizeof(float));
-  rounded_.reset(static_cast<float*>(shrunk != nullptr ? shrunk : memory));
+  rounded_ = std::make_shared<Memory>(shrunk != nullptr ? shrunk : memory);
 }
 
 Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& rhs, const Context& context) const {
@@ -300,29 +426,36 @@ void MultifrontalFactor::solve_in_place(LinearSolver::Rows& x, const Context& co
   if (x.rows() == 0) return;
   constexpr int few =
       12;  // The narrow kernel takes six at a time: twelve take it as long as up to 32 take the wide one.
+  const auto panel_of = [&](int node) { return panel(node); };
   for (Eigen::Index begin = 0; begin < x.cols(); begin += wide_columns) {
     const auto width = static_cast<int>(std::min<Eigen::Index>(wide_columns, x.cols() - begin));
     if (rounded_)
-      substitute(x.middleCols(begin, width), NarrowLayout{width}, rounded_.get(), context);
+      substitute(
+          x.middleCols(begin, width), NarrowLayout{width},
+          [&](int node) { return static_cast<const float*>(rounded_->begin) + shape_->panel_begin[node]; },
+          context);
     else if (width <= few)
-      substitute(x.middleCols(begin, width), NarrowLayout{width}, values_.get(), context);
+      substitute(x.middleCols(begin, width), NarrowLayout{width}, panel_of, context);
     else
-      substitute(x.middleCols(begin, width), WideLayout{width}, values_.get(), context);
+      substitute(x.middleCols(begin, width), WideLayout{width}, panel_of, context);
   }
 }
 
 /// Computes x ← P L⁻ᵀ L⁻¹ Pᵀ x. A front reads all right-hand sides of an unknown at once, because x is stored
 /// row by row. The way up leaves out subtrees where all right-hand sides are zero.
-template <class Layout, class Number>
+template <class Layout, class PanelOf>
 void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout,
-                                    const Number* panels, const Context& context) const {
+                                    const PanelOf& panel_of, const Context& context) const {
   const int width = layout.width;
+  const std::array<double, wide_columns> zeros{};  // the values of removed unknowns
+  const auto is_removed = [&](int position) { return order_[position] >= x.rows(); };
   const auto read_row = [&](int position, const Front& f, int row, double* values) {
-    const double* from = &x(pattern_.order[position], 0);
+    const double* from = is_removed(position) ? zeros.data() : &x(order_[position], 0);
     for (int c = 0; c < width; ++c) values[layout.at(f.rows, row, c)] = from[c];
   };
   const auto write_row = [&](const Front& f, int row, const double* values) {
-    double* to = &x(pattern_.order[f.first + row], 0);
+    if (is_removed(f.first + row)) return;
+    double* to = &x(order_[f.first + row], 0);
     for (int c = 0; c < width; ++c) to[c] = values[layout.at(f.rows, row, c)];
   };
   struct Scratch {
@@ -331,24 +464,26 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layo
   };
   tbb::enumerable_thread_specific<Scratch> scratches;
   // Per supernode, in its own front: the amounts that its columns subtract from the rows below; null if none.
-  std::vector<std::unique_ptr<double[]>> fronts(parent_.size());
+  std::vector<std::unique_ptr<double[]>> fronts(supernodes());
   const auto has_sides = [&](const Front& f) {
     const auto is_zero = [](double value) { return value == 0; };
     for (int r = 0; r < f.columns; ++r)
-      if (const double* from = &x(pattern_.order[f.first + r], 0); !std::all_of(from, from + width, is_zero))
-        return true;
+      if (!is_removed(f.first + r))
+        if (const double* from = &x(order_[f.first + r], 0); !std::all_of(from, from + width, is_zero))
+          return true;
     return false;
   };
-  forest_.visit_up(
+  shape_->forest.visit_up(
       [&](int node) {
         const Front f = front(node);
+        const std::vector<int>& children = shape_->children[node];
         const auto has_updates = [&](int child) { return fronts[child] != nullptr; };
-        if (std::none_of(children_[node].begin(), children_[node].end(), has_updates) && !has_sides(f)) return;
+        if (std::none_of(children.begin(), children.end(), has_updates) && !has_sides(f)) return;
         fronts[node].reset(new double[layout.size(f.rows)]());
         double* values = fronts[node].get();
         for (int r = 0; r < f.columns; ++r) read_row(f.first + r, f, r, values);
         std::vector<int>& rows = scratches.local().rows;
-        for (const int child : children_[node]) {
+        for (const int child : children) {
           if (!has_updates(child)) continue;
           const Front g = front(child);
           rows.resize(g.below());
@@ -362,17 +497,17 @@ void MultifrontalFactor::substitute(Eigen::Ref<LinearSolver::Rows> x, const Layo
               values[layout.at(f.rows, rows[r], c)] += updates[layout.at(g.rows, g.columns + r, c)];
           fronts[child].reset();
         }
-        layout.solve(panels + panel_begin_[node], f.rows, f.columns, values);
+        layout.solve(panel_of(node), f.rows, f.columns, values);
         for (int r = 0; r < f.columns; ++r) write_row(f, r, values);
       },
       context);
-  forest_.visit_down(
+  shape_->forest.visit_down(
       [&](int node) {
         const Front f = front(node);
         std::vector<double>& values = scratches.local().values;
         values.resize(layout.size(f.rows));
         for (int r = 0; r < f.rows; ++r) read_row(f.positions[r], f, r, values.data());
-        layout.solve_transposed(panels + panel_begin_[node], f.rows, f.columns, values.data());
+        layout.solve_transposed(panel_of(node), f.rows, f.columns, values.data());
         for (int r = 0; r < f.columns; ++r) write_row(f, r, values.data());
       },
       context);

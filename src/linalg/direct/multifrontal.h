@@ -2,13 +2,16 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <meshgraft/core/context.h>
 #include <meshgraft/linalg/linear_solver.h>
 
 #include "core/parallel.h"
+#include "linalg/matrix_change.h"
 #include "symbolic_factorisation.h"
 
 namespace meshgraft {
@@ -21,6 +24,12 @@ namespace meshgraft {
 class MultifrontalFactor {
  public:
   explicit MultifrontalFactor(SupernodalPattern pattern);
+
+  /// Returns the factor of a changed N, or nullopt if little work would be saved. Supernodes with a changed
+  /// column and their ancestors get new panels; all others are shared. At each of those, the front as it was is
+  /// computed from its panel, so that no update has to be kept. Throws Error(unsolvable) if the changed N is
+  /// not positive definite.
+  std::optional<MultifrontalFactor> changed(const MatrixChange& change, const Context& context) const;
 
   /// Returns the entries of N by position, as `factorise` reads them.
   LowerEntries permuted(const NormalMatrix& lower, const Context& context) const;
@@ -36,33 +45,64 @@ class MultifrontalFactor {
   /// Replaces right-hand sides by their solutions.
   void solve_in_place(LinearSolver::Rows& x, const Context& context) const;
 
-  const SupernodalPattern& pattern() const { return pattern_; }
+  const SupernodalPattern& pattern() const { return shape_->pattern; }
+  bool has_removed() const { return has_removed_; }        ///< whether unknowns were removed by `changed`
   std::int64_t peak_bytes() const { return peak_bytes_; }  ///< values and updates of the last factorisation
 
  private:
   struct Front;
   struct Elimination;
+  /// The rows of all supernodes and their tree. It is the same for a changed matrix.
+  struct Shape {
+    explicit Shape(SupernodalPattern of_matrix);
+
+    SupernodalPattern pattern;
+    std::vector<int> parent;                ///< per supernode, -1 at roots
+    std::vector<std::int64_t> panel_begin;  ///< per supernode: its first index among all panels' numbers
+    std::vector<std::vector<int>> children;
+    TaskForest forest;
+  };
+  struct Memory {
+    void* begin;
+    explicit Memory(void* allocated) : begin(allocated) {}
+    Memory(const Memory&) = delete;
+    Memory& operator=(const Memory&) = delete;
+    ~Memory() { std::free(begin); }
+  };
+
+  int supernodes() const { return shape_->pattern.supernodes(); }
+  std::int64_t panel_numbers() const { return shape_->panel_begin.back(); }
+  const double* panel(int node) const;
   Front front(int node) const;
   bool is_within_singles() const;
-  void gather_panel(const Front& f, const LowerEntries& entries, const std::vector<int>& row_at) const;
+  void number_unknowns(std::vector<int> order);
+  void renumber(const std::vector<int>& number);
+  void count_peak(std::int64_t numbers);
+  Flags supernodes_above(const LowerEntries& entries) const;
+  void visit_fronts(const Flags& chosen, const std::function<void(int, const std::vector<int>&)>& visit,
+                    const Context& context) const;
   void add_updates(int node, int from, int to, const std::vector<int>& row_at, const Elimination& elimination,
                    double* target, int shift, int stride) const;
-  void eliminate(int node, std::vector<int>& row_at, Elimination& elimination, const Context& context) const;
-  template <class Layout, class Number>
-  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout, const Number* panels,
+  void complete_panel(int node, double* panel, const std::vector<int>& row_at, const Elimination& elimination,
+                      const Context& context) const;
+  void pass_on_updates(int node, const std::vector<int>& row_at, Elimination& elimination) const;
+  void eliminate(int node, double* panel, const std::vector<int>& row_at, Elimination& elimination,
+                 const Context& context) const;
+  void eliminate_again(int node, double* panel, const std::vector<int>& row_at, Elimination& elimination,
+                       const Context& context) const;
+  template <class Layout, class PanelOf>
+  void substitute(Eigen::Ref<LinearSolver::Rows> x, const Layout& layout, const PanelOf& panel_of,
                   const Context& context) const;
 
-  SupernodalPattern pattern_;
-  std::vector<int> inverse_permutation_;   ///< per unknown: its position
-  std::vector<int> parent_;                ///< per supernode, -1 at roots
-  std::vector<std::int64_t> panel_begin_;  ///< per supernode: index in `values_`; one more at the end
-  std::vector<std::vector<int>> children_;
-  TaskForest forest_;
-  struct Free {
-    void operator()(void* memory) const { std::free(memory); }
-  };
-  std::unique_ptr<double[], Free> values_;  ///< null after `round`
-  std::unique_ptr<float[], Free> rounded_;  ///< null before
+  std::shared_ptr<const Shape> shape_;
+  /// The unknown at each position. Numbers that the matrix does not have stand for removed unknowns.
+  std::vector<int> order_;
+  std::vector<int> inverse_permutation_;  ///< per unknown: its position
+  bool has_removed_ = false;
+  std::shared_ptr<Memory> panels_;   ///< doubles; null after `round`
+  std::shared_ptr<Memory> rounded_;  ///< floats; null before
+  /// Per supernode: the panel to use in place of that in `panels_`, or null. Empty if none is replaced.
+  std::vector<std::shared_ptr<const double[]>> replaced_;
   std::int64_t peak_bytes_ = 0;
 };
 

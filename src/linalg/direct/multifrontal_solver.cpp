@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <optional>
 #include <utility>
+
+#include <meshgraft/core/error.h>
 
 #include "dissection.h"
 #include "graph_partition.h"
@@ -24,11 +27,33 @@ class MultifrontalSolver final : public LinearSolver {
     statistics_.factor_flops = factor_->pattern().flops();
   }
 
-  /// Returns a solver with the same analysis and no factorisation.
+  /// Returns a solver with the same analysis and no factorisation. Returns null for a changed matrix.
   std::unique_ptr<LinearSolver> analysed_copy() const {
+    if (factor_ && factor_->has_removed()) return nullptr;
     auto copy = std::make_unique<MultifrontalSolver>();
     if (factor_) copy->factor_.emplace(factor_->pattern());
     copy->statistics_ = statistics_;
+    return copy;
+  }
+
+  std::unique_ptr<LinearSolver> changed(const MatrixChange& change, const Context& context) const {
+    context.step("factorise", 0);
+    std::optional<MultifrontalFactor> factor;
+    try {
+      factor = factor_->changed(change, context);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::unsolvable) throw;
+    }
+    if (!factor) return nullptr;
+    auto copy = std::make_unique<MultifrontalSolver>();
+    copy->statistics_ = statistics_;
+    copy->statistics_.unknowns -= std::count(change.number.begin(), change.number.end(), -1);
+    const NormalMatrix& difference = change.difference;
+    for (Eigen::Index column = 0; column < difference.cols(); ++column)
+      for (NormalMatrix::InnerIterator it(difference, column); it; ++it)
+        if (change.number[column] < 0 || change.number[it.row()] < 0) --copy->statistics_.matrix_nonzeros;
+    copy->statistics_.peak_memory_bytes = factor->peak_bytes();
+    copy->factor_ = std::move(factor);
     return copy;
   }
 
@@ -88,6 +113,12 @@ class MultifrontalSolver final : public LinearSolver {
 std::unique_ptr<LinearSolver> copy_multifrontal_analysis(const LinearSolver& solver) {
   const auto* const multifrontal = dynamic_cast<const MultifrontalSolver*>(&solver);
   return multifrontal == nullptr ? nullptr : multifrontal->analysed_copy();
+}
+
+std::unique_ptr<LinearSolver> change_multifrontal_factor(const LinearSolver& solver, const MatrixChange& change,
+                                                         const Context& context) {
+  const auto* const multifrontal = dynamic_cast<const MultifrontalSolver*>(&solver);
+  return multifrontal == nullptr ? nullptr : multifrontal->changed(change, context);
 }
 
 void round_multifrontal_factor(LinearSolver& solver) {
