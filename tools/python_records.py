@@ -35,7 +35,7 @@ RECORDS = (
 KEYWORDS = {
     "DeformKeywords": (("DeformSettings", "DeformerOptions", "OperatorOptions"),
                        {"deformer": None, "refine_boundary": None, "proxy": None, "weld": None, "operators": None,
-                        "opposite_pairs": None, "soften_coarse": None, "coarse_start": None}),
+                        "opposite_pairs": None, "soften_coarse": None, "vertices_represented": None, "coarse_start": None}),
     "OperatorKeywords": (("OperatorOptions",), {}),
     "SeamKeywords": (("SeamOptions",), {"target_rings": "band", "source_rings": None}),
     "RepairKeywords": (("RepairOptions",), {}),

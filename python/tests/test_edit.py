@@ -57,7 +57,7 @@ def test_an_edit_names_the_methods_that_made_it(bar, tmp_path):
     edit = edit_of(bar)
     edit.save(tmp_path / "edit.json")
     saved = json.loads((tmp_path / "edit.json").read_text(encoding="utf-8"))
-    assert saved["made_with"] == {"version": mg.__version__, "methods": 8} and "made_with" not in edit.to_json()
+    assert saved["made_with"] == {"version": mg.__version__, "methods": 9} and "made_with" not in edit.to_json()
     assert mg.Edit.load(tmp_path / "edit.json").run().report.notes == ()
     saved["made_with"]["methods"] = 1000
     (tmp_path / "edit.json").write_text(json.dumps(saved), encoding="utf-8")

@@ -36,6 +36,7 @@ DeformerOptions DeformerOptions::as_published() {
   return {.method = DeformMethod::ft05,
           .stiffness = 0,
           .soften_coarse = false,
+          .vertices_represented = 1,
           .iterations = 20,
           .coarse_start = false,
           .smoothing_length_rel = 0.09,
@@ -115,6 +116,7 @@ void Deformer::Impl::evaluate(std::span<const VertexConstraint> constraints, Poi
   report->iterations = found.iterations;
   report->last_rotation_change = found.change;
   report->fell_back_to_linear = found.linear;
+  report->position_stretch = found.position_stretch;
 }
 
 /// Moves the positions as a shell, and turns the maps with the surface unless they are null.

@@ -230,8 +230,9 @@ void PartSystem::find_stiffness_scales(const DeformerOptions& options) {
   for (Index v = 0; v < mesh.vertices.size(); ++v) {
     if (!is_free[v]) continue;
     const Eigen::VectorXd& size = sizes.at(component[v]);
-    stiffness_scales_[v] =
-        stiffness_scale(mean_edge_length_, {.area = size[0], .vertices = size[1]}, options.stiffness);
+    stiffness_scales_[v] = stiffness_scale(
+        mean_edge_length_, {.area = size[0], .vertices = options.vertices_represented * size[1]},
+        options.stiffness);
   }
 }
 

@@ -121,8 +121,14 @@ HandlePose pose_of_matrix(const Eigen::Matrix4d& matrix) {
 HandlePose resolve_pose(const PoseSpec& spec, const Handle& handle, const SelectionResolver& selections,
                         const EditFile& edit, const SelectionMesh& context, const Location& location) {
   const Points& rest = context.mesh.positions;
-  if (const auto* motion = std::get_if<HandleMotion>(&spec.kind))
-    return make_pose(*motion, motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings));
+  if (const auto* motion = std::get_if<HandleMotion>(&spec.kind)) {
+    const Eigen::Vector3d pivot = motion->pivot ? *motion->pivot : handle_pivot(handle, rest, context.rings);
+    try {
+      return make_pose(*motion, pivot);
+    } catch (const Error& error) {
+      throw error.within(location);
+    }
+  }
   if (const auto* matrix = std::get_if<Eigen::Matrix4d>(&spec.kind)) return pose_of_matrix(*matrix);
   if (const auto* def = std::get_if<PoseSpec::DefFile>(&spec.kind)) {
     const Location where = location / "def" / (edit.base_folder / def->file);

@@ -217,6 +217,9 @@ std::vector<Note> notes_of(const StepReport& report, double smallest_scale) {
     notes.push_back(
         facts::script::ProxySolved{.proxy = report.proxy->free_vertices, .free = report.counts.free});
   if (report.evaluation && report.evaluation->fell_back_to_linear) notes.push_back(facts::script::NoRotation{});
+  constexpr double most_stretch = 1.25;  // chosen
+  if (report.evaluation && report.evaluation->position_stretch > most_stretch)
+    notes.push_back(facts::script::PositionsStretch{.ratio = report.evaluation->position_stretch});
   constexpr double settled_enough = 0.005;  // radians: 0.3 degrees
   if (report.evaluation && report.evaluation->last_rotation_change > settled_enough)
     notes.push_back(facts::script::NotSettled{

@@ -1,5 +1,7 @@
 // Settings under which the methods agree, and settings that are refused.
+#include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -7,6 +9,7 @@
 #include <meshgraft/core/error.h>
 #include <meshgraft/deform/deformer.h>
 
+#include "deform/solve/stiffness_edges.h"
 #include "rotating_methods.h"
 #include "support/mesh_families.h"
 #include "support/scene_edits.h"
@@ -29,6 +32,24 @@ TEST(Methods, WithNothingTurnedAndNoStiffnessRotationAwareIsLinear) {
         make_deformer(scene, held_foot(scene), options_of(DeformMethod::rotation_aware, 0)).evaluate(shift);
     EXPECT_TRUE(same_bytes(aware, make_deformer(scene, held_foot(scene), linear_method()).evaluate(shift)));
   }
+}
+
+TEST(StiffnessScale, MoreIsNeverSofterOnCoarseComponents) {
+  for (const double vertices : {10.0, 500.0, 1500.0, 3000.0, 4500.0, 6000.0, 1e6}) {
+    double before = 0;
+    for (double stiffness = 1; stiffness < 1e4; stiffness *= 1.1) {
+      const double scaled = stiffness * stiffness_scale(0.1, {.area = 4, .vertices = vertices}, stiffness);
+      EXPECT_GE(scaled, before * (1 - 1e-12)) << vertices << ", " << stiffness;
+      EXPECT_LE(scaled, stiffness * 0.05 * (1 + 1e-12));
+      EXPECT_GE(scaled, stiffness * 0.05 / 4 * (1 - 1e-12));
+      before = scaled;
+    }
+  }
+  // The default is as strong as the layer of two edges at the border allows, from a quarter on.
+  const double usual = DeformerOptions().stiffness;
+  for (const auto& [vertices, share] :
+       {std::pair{10.0, 0.25}, {2000.0, std::sqrt(3) / 2 * 2000 / (63 * 63)}, {1e5, 1.0}})
+    EXPECT_NEAR(stiffness_scale(0.1, {.area = 4, .vertices = vertices}, usual), 0.05 * share, 1e-12);
 }
 
 TEST(Methods, WhereAllPositionsAreGivenTheyAreKept) {

@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <numbers>
 #include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
@@ -311,6 +313,29 @@ TEST_F(RunEdit, TurnsOfMoreThanHalfACircleSurviveTargetsPerVertex) {
   const EditResult the_short_way =
       run_edit(edit(step(method, R"({"rotate": {"axis": [0, 1, 0], "angle_deg": -90}})")));
   EXPECT_GT((by_handle.mesh.positions - the_short_way.mesh.positions).cwiseAbs().maxCoeff(), 1);
+}
+
+// Four vertices that are held by positions alone always have an affine map that fits.
+TEST_F(RunEdit, NotesThatPositionsAloneStretchTheSurface) {
+  const auto handle = [](Index vertex, const char* translate) {
+    return fmt::format(R"({{"name": "v{0}", "select": {{"indices": [{0}]}}, "constrain": "position",
+                           "pose": {{"translate": {1}}}}})",
+                       vertex, translate);
+  };
+  const auto moved = [&](const char* settings, const char* translate) {
+    const std::string handles = handle(0, "[0, 0, 0]") + "," + handle(side - 1, "[0, 0, 0]") + "," +
+                                handle(side * (side - 1), "[0, 0, 0]") + "," +
+                                handle(side * side - 1, translate);
+    return run_edit(
+               edit(R"({"kind": "deform", "mesh": "sheet", "handles": [)" + handles + "]" + settings + "}"))
+        .report.steps[0]
+        .notes;
+  };
+  const std::vector<Note> notes = moved("", "[6, 0, 0]");
+  ASSERT_EQ(notes.size(), 1);
+  EXPECT_EQ(notes[0].id(), "script.positions_stretch");
+  EXPECT_GT(notes[0].get<double>("ratio"), 1.3);
+  EXPECT_TRUE(moved("", "[0.1, 0, 0]").empty());
 }
 
 TEST_F(RunEdit, NotesThatAMirroringHandleHasNoRotationToFollow) {

@@ -191,6 +191,9 @@ struct DeformerOptions {
   /// Reduces the stiffness in regions with few edges across, where it would kink single edges at the border
   /// (docs/methods.md). Merging does not use it.
   bool soften_coarse = true;
+  /// The number of vertices that each free vertex stands for, where edges across are counted. A proxy sets it,
+  /// so that it is as stiff as the region in whose place it is solved.
+  double vertices_represented = 1;
   int iterations = 20;  ///< largest number of co-rotational iterations
   /// Begins the iterations of 30,000 free vertices or more with rotations of a proxy, which saves steps. The
   /// proxy of a symmetric problem is not symmetric, and leaves differences of 1e-4 of the motion or less
@@ -214,7 +217,7 @@ struct DeformerSummary {
   Index fixed_vertices = 0;  ///< fixed vertices of the region
   Index handle_vertices = 0;
   Index degenerate_vertices = 0;  ///< free vertices with a flat or near-flat neighbourhood
-  /// Set if patch, operator and bisection tree are shared with another Deformer (`Deformer::with_region`).
+  /// Set if the patch, the operator and more are shared with another Deformer (`Deformer::with_region`).
   bool reused = false;
   double assemble_seconds = 0;
   double analyse_seconds = 0;
@@ -235,6 +238,9 @@ struct EvaluationReport {
   /// Set if transforms were blended linearly because a constraint reflects or flattens, so that its transform
   /// has no logarithm.
   bool fell_back_to_linear = false;
+  /// The largest ratio of two stretches of the affine map that a component follows because its constraints give
+  /// positions alone; 1 if there is none. Not computed by the method `ft05` and by quick frames.
+  double position_stretch = 1;
 };
 
 /// Returns an estimate of the bytes that the solver of a `Deformer` with that many free vertices needs,

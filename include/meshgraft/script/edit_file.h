@@ -300,7 +300,7 @@ struct EditStep {
 
 /// Number of the methods. It is raised when the same edit file gives other results than before, other than
 /// by rounding.
-inline constexpr int current_methods = 8;
+inline constexpr int current_methods = 9;
 
 /// The program that an edit file was written by.
 struct MadeWith {

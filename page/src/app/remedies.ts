@@ -230,6 +230,7 @@ const remedies: RemedyTable = {
       graft.tool.value = "plane";
     },
   }),
+  "mesh.cap_outline_branches": (_, refused) => mendObject(refused),
   "mesh.cap_outline_crosses": (_, refused) => closeCut(refused, "Leave the cut open", "open"),
   "mesh.cap_outline_open": (_, refused) => mendObject(refused, "closeHoles"),
   "mesh.face_index_out_of_range": (_, refused) => mendObject(refused),

@@ -504,11 +504,15 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
 
   "mesh.cap_inside_out": () => ({
     problem: "the cut cannot be closed: the mesh faces inward there",
-    remedy: "Mend the mesh first, or leave the cut open.",
+    remedy: "Mend the mesh and close its holes first, or leave the cut open.",
   }),
   "mesh.cap_needs_plane": () => ({
     problem: "only a cut by a plane can be closed",
     remedy: "Cut by a plane, or leave the cut open.",
+  }),
+  "mesh.cap_outline_branches": () => ({
+    problem: "the cut cannot be closed: it meets an edge of three or more faces",
+    remedy: "Mend the mesh first, or leave the cut open.",
   }),
   "mesh.cap_outline_crosses": () => ({
     problem: "the cut cannot be closed: its outline crosses or touches itself",
@@ -760,6 +764,10 @@ const words: { [Id in FactId]?: (fields: FactFields[Id]) => FactText } = {
   "script.pairs_unclear": ({ target_loops, target_sizes, source_loops, source_sizes }) => ({
     problem: `it is unclear which loops to join: the model has ${loopSizes(target_loops, target_sizes)}, the part ${loopSizes(source_loops, source_sizes)}`,
     remedy: "Click a loop of the model and the loop of the part to join to it.",
+  }),
+  "script.positions_stretch": ({ ratio }) => ({
+    problem: `the handles give positions alone, which stretches the surface ${formatNumber(ratio, 3, 0)} times as much one way as another`,
+    remedy: "Handles that rotate, or something fixed, keep its shape.",
   }),
   "script.posed_twice": () => ({
     problem: "the part is placed twice: by matched points, and by a pose of its own",

@@ -342,7 +342,18 @@ void ProxyDeformer::Impl::make_deformer(const ProxyProblem& problem, std::vector
       constraint.position = rest.row(constrained.vertex[need.constraint]).transpose();
     if (constrained.gives_transform[need.constraint]) constraint.transform = Eigen::Matrix3d::Identity();
   }
-  deformer.emplace(std::move(of_proxy), problem.options.deformer, context);
+  const auto has_own_position = [&](Index v) { return problem.mask.feature[v] < 0; };
+  const auto represented = std::count_if(free.begin(), free.end(), has_own_position),
+             held = std::count_if(
+                 of_proxy.constraints.begin(), of_proxy.constraints.end(),
+                 [](const VertexConstraint& constraint) { return constraint.position.has_value(); }),
+             unknown = std::count_if(region.vertices.begin(), region.vertices.end(),
+                                     [&](Index k) { return has_own_position(proxy_vertices[k]); }) -
+                       held;
+  DeformerOptions options = problem.options.deformer;
+  if (represented > 0 && unknown > 0)
+    options.vertices_represented *= static_cast<double>(represented) / static_cast<double>(unknown);
+  deformer.emplace(std::move(of_proxy), options, context);
   summary.deformer = deformer->summary();
 }
 

@@ -34,6 +34,7 @@ void validate(const DeformerOptions& options) {
   require_between(options.stiffness, 0, 1e6, "stiffness");
   require_between(options.iterations, 0, 1000, "iterations");
   require_between(options.smoothing_length_rel, 0, 10, "smoothing_length_rel");
+  require_between(options.vertices_represented, 0, 1e12, "vertices_represented");
 }
 
 void validate(const VertexConstraint& constraint) {

@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include <meshgraft/mesh/normals.h>
 
 #include "anderson_mixing.h"
@@ -110,6 +112,7 @@ RotationField::Result RotationField::find(std::span<const VertexConstraint> cons
   } else {
     result.strain = std::move(blended.strain);
   }
+  result.position_stretch = position_stretch(constraints);
   return result;
 }
 
@@ -281,6 +284,17 @@ std::vector<Eigen::Matrix3d> RotationField::fitted_maps(std::span<const VertexCo
     maps[c] += points.completeOrthogonalDecomposition().solve(displacements).transpose();
   }
   return maps;
+}
+
+/// Returns the largest ratio of two stretches of a fitted map.
+double RotationField::position_stretch(std::span<const VertexConstraint> constraints) const {
+  double largest = 1;
+  for (const Eigen::Matrix3d& map : fitted_maps(constraints)) {
+    const Eigen::Matrix3d squared = map.transpose() * map;
+    const auto squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squared).eigenvalues();
+    if (squares[0] > 0) largest = std::max(largest, std::sqrt(squares[2] / squares[0]));
+  }
+  return largest;
 }
 
 /// Returns the right-hand side of a linear blend. Edges with stiffness keep the linearly blended transforms.

@@ -38,6 +38,7 @@ class RotationField {
     RestStrain strain;                   ///< of the blend, for the method `shell`; empty if it is linear
     int iterations = 0;                  ///< number of co-rotational iterations performed
     double change = 0;                   ///< root mean square change that the last iteration asked for, radians
+    double position_stretch = 1;         ///< that of `EvaluationReport`
     bool linear = false;  ///< a transform has no logarithm (it reflects or flattens), so the blend is linear
   };
   /// The iterations end when the field would change by less than `settled`, in radians. They begin with local
@@ -70,6 +71,7 @@ class RotationField {
   bool blend(std::span<const VertexConstraint> constraints, const FeatureMaps& features, Blend& blended,
              const Context& context) const;
   std::vector<Eigen::Matrix3d> fitted_maps(std::span<const VertexConstraint> constraints) const;
+  double position_stretch(std::span<const VertexConstraint> constraints) const;
   MapField linear_field(std::span<const VertexConstraint> constraints, const Context& context) const;
   void compose(const Blend& blended, const Columns& deviation, MapField& field, const Context& context) const;
   bool local_steps(std::span<const VertexConstraint> constraints, double settled, const Columns& start,

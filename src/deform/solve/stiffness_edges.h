@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <meshgraft/deform/deform_problem.h>
 #include <meshgraft/operators/affine_operator.h>
 
 #include "operators/intrinsic_delaunay.h"
@@ -17,18 +18,22 @@ inline constexpr double anchor_share = 0.95;
 /// The size of a connected component of free vertices.
 struct FreeComponent {
   double area = 0;      ///< of the faces with a corner in it
-  double vertices = 0;  ///< number of vertices
+  double vertices = 0;  ///< number of vertices, or of those that they stand for
 };
 
 /// Returns the factor of the stiffness μ in the rows of a component, beside `aware` rows of E_R. It is ℓ̄/D,
 /// where ℓ̄ is the mean edge length and D = √area, or less on coarse components. At their border the balance of
 /// stiffness and E_R leaves a layer of the width 1.9 D/μ. Where it is narrower than two edges, single edges
-/// kink. The square and the bound were chosen by rim jumps (docs/methods.md).
+/// kink. The default stiffness is therefore reduced to a share; the square and the bound were chosen by rim
+/// jumps (docs/methods.md). A smaller one is used as it is, but at most the reduced default. A larger one is
+/// reduced to the same share. So more stiffness is never softer.
 inline double stiffness_scale(double mean_edge_length, const FreeComponent& component, double stiffness) {
+  constexpr double usual = DeformerOptions{}.stiffness;
   const double size = component.area > 0 ? std::sqrt(component.area) : 1;
   const double edges_across = std::sqrt(component.vertices * std::numbers::sqrt3 / 2);  // of equilateral faces
-  const double needed = 1.05 * stiffness;  // edges across, for a layer of two edges
-  return mean_edge_length / size * std::clamp(std::pow(edges_across / needed, 2), 0.25, 1.0);
+  const double needed = 1.05 * usual;  // edges across, for a layer of two edges
+  const double reduction = std::clamp(std::pow(edges_across / needed, 2), 0.25, 1.0);
+  return mean_edge_length / size * std::max(reduction, std::min(1.0, reduction * usual / stiffness));
 }
 
 /// Returns the factor of an edge: the mean of those of its ends that are free, where others have 0.
