@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <meshgraft/mesh/topology.h>
@@ -28,6 +32,52 @@ TEST(SplitNonManifold, TakesEdgesAndVerticesApart) {
       EXPECT_FALSE(split_non_manifold(surface));
     }
   }
+}
+
+// The sheets that stay joined are the same all along the line.
+TEST(SplitNonManifold, JoinsTheSameSheetsAlongACurve) {
+  for (const std::vector<double>& degrees :
+       {std::vector<double>{0, 120, 240}, {0, 180, 90}, {0, 150, 230}, {0, 90, 180, 270}})
+    for (const double noise : {0.0, 0.004})
+      for (const bool turned : {false, true}) {
+        SCOPED_TRACE(fmt::format("{} sheets, noise {}, {}", degrees.size(), noise, turned ? "one turned" : ""));
+        RepairSurface surface(shapes::sheets_at_a_line(degrees, noise, turned), without_limits);
+        const Index faces = surface.faces().size();
+        EXPECT_TRUE(split_non_manifold(surface));
+        EXPECT_EQ(surface.faces().size(), faces);
+        const TopologySummary topology = summarise_topology(surface.mesh());
+        EXPECT_TRUE(topology.manifold);
+        EXPECT_EQ(topology.components, 2);
+      }
+}
+
+// Where a sheet is slit, its two halves do not outweigh the sheet that goes on straight.
+TEST(SplitNonManifold, JoinsTheSheetsThatRunAlongMostOfACurve) {
+  const Mesh whole = shapes::sheets_at_a_line({0, 90, 180, 270});
+  Mesh slit = whole;
+  slit.faces = {};
+  for (Index f = 0; f < whole.face_count(); ++f) {
+    Eigen::RowVector3d centre = Eigen::RowVector3d::Zero();
+    for (const Index v : whole.faces[f]) centre += whole.positions.row(v) / 3;
+    if (centre.z() < 0.01 || std::abs(centre.x() - 0.5) > 0.02)
+      slit.faces.push_back(std::vector<Index>(whole.faces[f].begin(), whole.faces[f].end()));
+  }
+  ASSERT_LT(slit.face_count(), whole.face_count());
+  RepairSurface surface(slit, without_limits);
+  EXPECT_TRUE(split_non_manifold(surface));
+  EXPECT_EQ(surface.faces().size(), slit.face_count());
+  // The sheets at 0 and 180° go on straight, and so do those at 90 and 270°.
+  const Mesh& mesh = surface.mesh();
+  const std::vector<Index> component = connected_components(mesh);
+  std::set<Index> flat, upright;
+  for (Index f = 0; f < mesh.face_count(); ++f) {
+    double height = 0;
+    for (const Index v : mesh.faces[f]) height = std::max(height, std::abs(mesh.positions(v, 2)));
+    (height < 1e-9 ? flat : upright).insert(component[mesh.faces[f][0]]);
+  }
+  EXPECT_EQ(flat.size(), 1u);
+  EXPECT_EQ(upright.size(), 1u);
+  EXPECT_NE(flat, upright);
 }
 
 TEST(UnifyWinding, OrientsFacesConsistentlyAndOutward) {

@@ -4,6 +4,8 @@
 #include <functional>
 #include <initializer_list>
 #include <numbers>
+#include <random>
+#include <utility>
 #include <vector>
 
 #include <meshgraft/core/context.h>
@@ -104,6 +106,36 @@ inline Mesh bow_tie() {
 inline Mesh three_on_an_edge() {
   return polygons({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}},
                   {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}});
+}
+
+/// Returns flat sheets (20×20 vertices) that meet in the line x = 0 … 1, at angles around it. With `turned` the
+/// second is wound the other way.
+inline Mesh sheets_at_a_line(const std::vector<double>& degrees, double noise = 0, bool turned = false) {
+  constexpr int n = 20;
+  Mesh mesh;
+  mesh.positions.resize(n + static_cast<Index>(degrees.size()) * n * (n - 1), 3);
+  const auto vertex = [&](std::size_t sheet, int row, int column) {
+    return row == 0 ? column : n + (static_cast<Index>(sheet) * (n - 1) + row - 1) * n + column;
+  };
+  for (std::size_t sheet = 0; sheet < degrees.size(); ++sheet) {
+    const double angle = degrees[sheet] * std::numbers::pi / 180;
+    for (int row = 0; row < n; ++row)
+      for (int column = 0; column < n; ++column) {
+        const double r = static_cast<double>(row) / n, x = static_cast<double>(column) / (n - 1);
+        mesh.positions.row(vertex(sheet, row, column)) << x, r * std::cos(angle), r * std::sin(angle);
+        if (row == 0 || column == 0) continue;
+        const Index a = vertex(sheet, row - 1, column - 1), b = vertex(sheet, row - 1, column),
+                    c = vertex(sheet, row, column), d = vertex(sheet, row, column - 1);
+        for (std::vector<Index> face : {std::vector<Index>{a, b, c}, {a, c, d}}) {
+          if (turned && sheet == 1) std::swap(face[1], face[2]);
+          mesh.faces.push_back(face);
+        }
+      }
+  }
+  std::minstd_rand generator(3);
+  for (double& coordinate : mesh.positions.reshaped())
+    coordinate += noise * (static_cast<double>(generator() % 2001) / 1000 - 1);
+  return mesh;
 }
 
 /// Returns one mesh of all parts, in order.

@@ -1,7 +1,11 @@
 // Repair of non-manifold edges and vertices, and of inconsistent orientation.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "mesh/closed_components.h"
 #include "mesh/facts.h"
@@ -11,6 +15,65 @@
 namespace meshgraft {
 
 namespace {
+
+bool is_crowded(const EdgeTable& table, Index half_edge) {
+  return table.half_edges[table.edge[half_edge]].size() > 2;
+}
+
+// Crosses the faces around the end of a half-edge, from its own face on, and returns the half-edge at the next
+// edge of three or more faces, or -1 if a boundary comes first.
+Index next_crowded(const EdgeTable& table, const std::vector<Index>& corners, Index half_edge, Index at) {
+  Index c = half_edge;
+  do {
+    c = corners[c] == at ? table.previous[c] : table.next[c];  // the face's other edge there
+    if (is_crowded(table, c)) return c;
+    if (table.is_boundary(c)) return -1;
+    const auto along = table.half_edges[table.edge[c]];
+    c = along[0] == c ? along[1] : along[0];
+  } while (c != half_edge);
+  return -1;
+}
+
+// Sheets of faces along the curves where three or more of them meet: unites the half-edges on such a curve
+// whose faces are connected around its vertices. At a vertex with a third edge of the kind a curve ends.
+DisjointSets sheets_at_curves(const EdgeTable& table, const std::vector<Index>& corners, Index vertices) {
+  std::vector<Index> crowded_edges(vertices, 0);
+  for (Index e = 0; e < table.edge_count(); ++e)
+    if (table.half_edges[e].size() > 2)
+      for (const Index v : table.ends[e]) ++crowded_edges[v];
+  DisjointSets sheets(static_cast<Index>(corners.size()));
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (table.half_edges[e].size() < 3) continue;
+    for (const Index c : table.half_edges[e])
+      for (const Index v : table.ends[e])
+        if (crowded_edges[v] == 2)
+          if (const Index other = next_crowded(table, corners, c, v); other >= 0) sheets.unite(c, other);
+  }
+  return sheets;
+}
+
+// Pairs the half-edges of each edge with three or more faces. All edges of a curve decide together which sheets
+// stay joined, so that the sheets do not change partners along it.
+std::vector<std::array<Index, 2>> joined_at_curves(const RepairSurface& surface) {
+  const EdgeTable& table = surface.edges();
+  DisjointSets sheets = sheets_at_curves(table, surface.faces().corners(), surface.mesh().vertex_count());
+  const auto sheets_of = [&](const ScoredPair& pair) {
+    const Index a = sheets.root(pair.half_edges[0]), b = sheets.root(pair.half_edges[1]);
+    return std::pair(std::min(a, b), std::max(a, b));
+  };
+  std::vector<ScoredPair> pairs;
+  std::map<std::pair<Index, Index>, double> scores;
+  for (Index e = 0; e < table.edge_count(); ++e) {
+    if (table.half_edges[e].size() < 3) continue;
+    for (const ScoredPair& pair : possible_pairs(surface, table.half_edges[e])) {
+      scores[sheets_of(pair)] +=
+          pair.score - worst_pair_score;  // negative, so that a longer contact counts more
+      pairs.push_back(pair);
+    }
+  }
+  for (ScoredPair& pair : pairs) pair.score = scores.at(sheets_of(pair));
+  return pair_up(std::move(pairs));
+}
 
 // Unites the corners at each vertex into fans: faces that stay connected across an edge at the vertex.
 DisjointSets joined_corners(const RepairSurface& surface) {
@@ -22,10 +85,9 @@ DisjointSets joined_corners(const RepairSurface& surface) {
     sets.unite(a, alike ? b : table.next[b]);
     sets.unite(table.next[a], alike ? table.next[b] : b);
   };
-  for (Index e = 0; e < table.edge_count(); ++e) {
-    if (table.half_edges[e].size() < 2) continue;
-    for (const auto& [a, b] : pair_up(surface, table.half_edges[e])) join(a, b);
-  }
+  for (Index e = 0; e < table.edge_count(); ++e)
+    if (const auto along = table.half_edges[e]; along.size() == 2) join(along[0], along[1]);
+  for (const auto& [a, b] : joined_at_curves(surface)) join(a, b);
   return sets;
 }
 

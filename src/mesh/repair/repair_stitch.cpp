@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <ranges>
+#include <set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -67,7 +68,7 @@ namespace {
 
 // Returns the pairs of half-edges at one position that may belong together, each pair once. Returns all
 // pairs, or for many half-edges only those whose faces lie most nearly opposite.
-std::vector<std::pair<std::size_t, std::size_t>> possible_pairs(const std::vector<Eigen::RowVector3d>& inward,
+std::vector<std::pair<std::size_t, std::size_t>> pairs_to_score(const std::vector<Eigen::RowVector3d>& inward,
                                                                 const Eigen::RowVector3d& axis) {
   constexpr std::size_t crowd = 32, nearest = 8;
   const std::size_t n = inward.size();
@@ -100,10 +101,9 @@ std::vector<std::pair<std::size_t, std::size_t>> possible_pairs(const std::vecto
 
 }  // namespace
 
-std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges) {
+std::vector<ScoredPair> possible_pairs(const RepairSurface& surface, std::span<const Index> half_edges) {
   const EdgeTable& table = surface.edges();
   const std::vector<Index>& corners = surface.faces().corners();
-  if (half_edges.size() == 2) return {{half_edges[0], half_edges[1]}};
   std::vector<Eigen::RowVector3d> along, inward;  // unit vectors into the face, perpendicular to the edge
   // A face that is connected by this edge alone more likely does not belong here.
   std::vector<double> loose;
@@ -115,27 +115,32 @@ std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::
     for (Index side = table.next[c]; side != c; side = table.next[side]) sides += table.is_boundary(side);
     loose.push_back(sides);
   }
-  struct Candidate {
-    double score;
-    std::size_t i, k;
-  };
-  std::vector<Candidate> candidates;
+  std::vector<ScoredPair> pairs;
   constexpr double against = 6;  // more than any sum of the other terms
-  for (const auto& [i, k] : possible_pairs(inward, along[0])) {
+  for (const auto& [i, k] : pairs_to_score(inward, along[0])) {
     const bool run_alike = along[i].dot(along[k]) > 0;
-    candidates.push_back(
-        {inward[i].dot(inward[k]) + std::min(loose[i] + loose[k], 3.0) + (run_alike ? against : 0), i, k});
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& x, const Candidate& y) { return x.score < y.score; });
-  std::vector<std::pair<Index, Index>> pairs;
-  Flags taken(half_edges.size(), 0);
-  for (const Candidate& candidate : candidates) {
-    if (taken[candidate.i] || taken[candidate.k]) continue;
-    pairs.emplace_back(half_edges[candidate.i], half_edges[candidate.k]);
-    taken[candidate.i] = taken[candidate.k] = 1;
+    pairs.push_back({inward[i].dot(inward[k]) + std::min(loose[i] + loose[k], 3.0) + (run_alike ? against : 0),
+                     {half_edges[i], half_edges[k]}});
   }
   return pairs;
+}
+
+std::vector<std::array<Index, 2>> pair_up(std::vector<ScoredPair> possible) {
+  std::stable_sort(possible.begin(), possible.end(),
+                   [](const ScoredPair& x, const ScoredPair& y) { return x.score < y.score; });
+  std::vector<std::array<Index, 2>> pairs;
+  std::set<Index> taken;
+  for (const auto& [score, half_edges] : possible) {
+    if (taken.contains(half_edges[0]) || taken.contains(half_edges[1])) continue;
+    pairs.push_back(half_edges);
+    taken.insert(half_edges.begin(), half_edges.end());
+  }
+  return pairs;
+}
+
+std::vector<std::array<Index, 2>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges) {
+  if (half_edges.size() == 2) return {{half_edges[0], half_edges[1]}};
+  return pair_up(possible_pairs(surface, half_edges));
 }
 
 // Joins edges, not vertices: components that meet only in a vertex stay separate, and no edge gets a third

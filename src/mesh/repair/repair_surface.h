@@ -125,9 +125,22 @@ bool remove_debris(RepairSurface& surface, double debris_rel);
 bool unify_winding(RepairSurface& surface);
 bool fill_holes(RepairSurface& surface, const RepairOptions& options);
 
-/// Pairs the half-edges at one position for joining. Prefers pairs that run in opposite directions, and then
-/// those that continue most nearly straight. With an odd number one is left out.
-std::vector<std::pair<Index, Index>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges);
+/// Two half-edges at one position. Those that fit better have a lower score.
+struct ScoredPair {
+  double score;
+  std::array<Index, 2> half_edges;
+};
+
+/// No pair has a higher score.
+inline constexpr double worst_pair_score = 10;
+
+/// Returns the pairs of half-edges at one position that may be joined. Pairs that run in opposite directions
+/// have lower scores than others, and then those that continue most nearly straight.
+std::vector<ScoredPair> possible_pairs(const RepairSurface& surface, std::span<const Index> half_edges);
+
+/// Pairs half-edges for joining, lowest scores first. With an odd number at a position one is left out.
+std::vector<std::array<Index, 2>> pair_up(std::vector<ScoredPair> possible);
+std::vector<std::array<Index, 2>> pair_up(const RepairSurface& surface, std::span<const Index> half_edges);
 
 /// Returns for each boundary vertex the smallest one at its position, exactly or within the weld distance; -1
 /// for other vertices.
