@@ -347,6 +347,9 @@ TEST(CutCap, RefusesWhatCannotBeClosed) {
   const Plane plane{{0, 0, 2.7}, {0, 0, 1}};
   const CutOptions flat{.cap = CutCap::flat}, pins{.cap = CutCap::pins};
   EXPECT_EQ(id_of_error(shapes::tube(40, 6), {{0, 0, 3}, {1, 0, 0}}, flat), "mesh.cap_outline_open");
+  for (const CutOptions& options : {flat, pins})
+    EXPECT_EQ(id_of_error(shapes::sheets_at_a_line({0, 120, 240}), {{0.47, 0, 0}, {1, 0, 0}}, options),
+              "mesh.cap_outline_branches");
   EXPECT_EQ(id_of_error(shapes::tube(40, 6), plane, flat), "") << "the hole is elsewhere";
   EXPECT_EQ(id_of_error(turned_over(cylinder()), plane, flat), "mesh.cap_inside_out");
   EXPECT_EQ(id_of_error(cylinder(), plane, {.cap = CutCap::pins, .pin_diameter = 3}), "mesh.pins_do_not_fit");

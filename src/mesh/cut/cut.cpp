@@ -245,7 +245,7 @@ void require_crossed(std::span<const double> heights) {
 }
 
 CutResult cut_open(const Mesh& mesh, std::span<const double> values, const CutOptions& options,
-                   const Context& context) {
+                   const Context& context, bool* closed = nullptr) {
   check(mesh, values, options);
   context.step("cut", 0);
   const TracedFaces coarse =
@@ -268,7 +268,7 @@ CutResult cut_open(const Mesh& mesh, std::span<const double> values, const CutOp
   context.step("cut", 0.6);
   cut.normals = whole_normals(mesh, cut);
   context.throw_if_stopped();
-  CutResult result = separate(mesh, cut, options.keep, context);
+  CutResult result = separate(mesh, cut, options.keep, context, closed);
   context.step("cut", 1);
   return result;
 }
@@ -281,7 +281,9 @@ CutResult cut_closed(const Mesh& mesh, std::span<const double> heights, const Pl
   std::vector<PinFit> fits;
   CutOptions both = options;
   both.keep = CutKeep::both;
-  CutResult result = cut_open(mesh, heights, options.cap == CutCap::pins ? both : options, context);
+  bool closed = false;
+  CutResult result = cut_open(mesh, heights, options.cap == CutCap::pins ? both : options, context, &closed);
+  if (!closed) throw Error(facts::mesh::CapOutlineBranches{});
   if (options.cap == CutCap::pins) {
     fits = fit_pins(result, frame, options, context);
     if (options.keep != CutKeep::both) result = cut_open(mesh, heights, options, context);

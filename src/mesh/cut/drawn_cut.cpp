@@ -60,6 +60,16 @@ class Separation {
     return std::move(result_);
   }
 
+  // Returns whether all edges along the cut are in these loops.
+  bool are_in_loops(const std::vector<std::vector<Index>>& loops) const {
+    std::set<std::pair<Index, Index>> found;
+    for (const auto& loop : loops)
+      for (std::size_t k = 0; k < loop.size(); ++k)
+        found.insert(std::minmax(loop[k], loop[(k + 1) % loop.size()]));
+    return std::all_of(cut_edges_.begin(), cut_edges_.end(),
+                       [&](const auto& edge) { return found.contains(std::minmax(edge.first, edge.second)); });
+  }
+
  private:
   const std::vector<Index>& corners() const { return cut_.faces.faces.corners(); }
 
@@ -317,8 +327,11 @@ Points whole_normals(const Mesh& mesh, const DrawnCut& cut) {
   return normals;
 }
 
-CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context) {
-  return Separation(mesh, cut, keep, context).run();
+CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context, bool* closed) {
+  Separation separation(mesh, cut, keep, context);
+  CutResult result = separation.run();
+  if (closed != nullptr) *closed = separation.are_in_loops(result.loops);
+  return result;
 }
 
 }  // namespace meshgraft

@@ -34,7 +34,9 @@ void require_open(const CutOptions& options);
 Points whole_normals(const Mesh& mesh, const DrawnCut& cut);
 
 /// Separates the surface along the cut. A vertex on the cut is duplicated, with one copy per fan of faces
-/// around it.
-CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context);
+/// around it. Tells in `closed`, unless it is null, whether all edges along the cut are in closed loops. Others
+/// are in chains that end at an edge of three or more faces.
+CutResult separate(const Mesh& mesh, const DrawnCut& cut, CutKeep keep, const Context& context,
+                   bool* closed = nullptr);
 
 }  // namespace meshgraft
