@@ -1,4 +1,4 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { MeshObject } from "../app/graft/graft";
 import type { Page } from "../app/page";
 import {
@@ -47,7 +47,8 @@ function TargetDialog(props: TargetProps) {
   const [failure, setFailure] = useState<Failure | undefined>(undefined);
   const [asks, setAsks] = useState(false);
   const [busy, setBusy] = useState(false);
-  useEffect(() => {
+  // Before the next event: an effect after the next frame would undo what Enter asked for meanwhile.
+  useLayoutEffect(() => {
     setAsks(false);
     setFailure(undefined);
   }, [extension, typed, folder]);
