@@ -186,9 +186,10 @@ struct CheckedMesh {
   std::optional<std::int64_t> intersections;
   Uses uses;
 
-  // Whether a repair makes a mesh that every command takes.
+  // Whether a repair mends something. It cannot where coordinates are too large, or the surface has one side.
   bool repairable() const {
-    return mesh.face_count() > 0 && !diagnostics.find(FindingKind::coordinate_too_large) && !sound();
+    return mesh.face_count() > 0 && !diagnostics.find(FindingKind::coordinate_too_large) &&
+           !std::ranges::all_of(repair.changes, is_choice);
   }
   bool clean() const { return mesh.face_count() > 0 && sound(); }
 

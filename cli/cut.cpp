@@ -176,9 +176,11 @@ void print_summary(const CutFacts& facts, const CutResult& result, const Written
       fmt::print("    loop {}{}: {}\n", loop, facts.loops[loop].made_by_cut ? ", made by the cut" : "",
                  loop_text(facts.loops[loop].facts));
   }
-  for (const CutPin& pin : result.pins)
-    fmt::print("  pin at {:.4g}, {:.4g}, {:.4g}: diameter {:.4g}, length {:.4g}, clearance {:.4g}\n",
-               pin.centre.x(), pin.centre.y(), pin.centre.z(), pin.diameter, pin.length, pin.clearance);
+  for (const CutPin& pin : result.pins) {
+    const auto at = [&](int k) { return coordinate_text(pin.centre[k], pin.diameter, 4); };
+    fmt::print("  pin at {}, {}, {}: diameter {:.4g}, length {:.4g}, clearance {:.4g}\n", at(0), at(1), at(2),
+               pin.diameter, pin.length, pin.clearance);
+  }
   for (const Note& note : written.notes) fmt::print("  note: {}\n", sentence(note));
   for (const std::string& output : written.files) fmt::print("  wrote {}\n", output);
 }

@@ -21,6 +21,7 @@
 #include "findings.h"
 #include "loops.h"
 #include "script/fact_json.h"
+#include "values.h"
 #include "wording.h"
 
 namespace meshgraft::cli {
@@ -149,8 +150,11 @@ void print_surface(const MeshFacts& facts) {
 void print_box(const MeshFacts& facts) {
   if (!has_box(facts)) return;
   const Eigen::RowVector3d size = facts.high - facts.low;
-  line("box", fmt::format("x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g}", facts.low(0),
-                          facts.high(0), facts.low(1), facts.high(1), facts.low(2), facts.high(2)));
+  const auto side = [&](int k) {
+    return fmt::format("{} to {}", coordinate_text(facts.low(k), size(k)),
+                       coordinate_text(facts.high(k), size(k)));
+  };
+  line("box", fmt::format("x {}, y {}, z {}", side(0), side(1), side(2)));
   line("size",
        fmt::format("{:.6g} × {:.6g} × {:.6g}, diagonal {:.6g}", size(0), size(1), size(2), size.norm()));
   if (const std::string unit = unit_of(facts.mesh); !unit.empty()) line("unit", unit);

@@ -69,8 +69,8 @@ void run_render(const RenderArguments& arguments, Context context) {
 
 void add_render(CLI::App& program, Action& action) {
   const auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* command =
-      program.add_subcommand("render", "Make a picture of one mesh, or of several side by side in one scale");
+  CLI::App* command = program.add_subcommand(
+      "render", "Make a picture of one mesh, or of several side by side, each at its place in space");
   command->add_option("mesh", arguments->meshes, "The mesh files")
       ->required()
       ->type_name("MESH")

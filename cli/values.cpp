@@ -1,5 +1,10 @@
 #include "values.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
 #include "cli/facts.h"
 
 namespace meshgraft::cli {
@@ -58,6 +63,13 @@ UprightModels parse_upright(std::string_view text, const std::string& option) {
   const std::size_t colon = text.find(':');
   if (colon == std::string_view::npos) fail();
   return {orientation(text.substr(0, colon)), orientation(text.substr(colon + 1))};
+}
+
+std::string coordinate_text(double value, double size, int digits) {
+  constexpr int most_digits = 17;
+  const double larger = size > 0 ? std::abs(value) / size : 1;
+  const double before = std::clamp(std::ceil(std::log10(larger)), 0.0, 1.0 * most_digits);
+  return fmt::format("{:.{}g}", value, std::min(digits + static_cast<int>(before), most_digits));
 }
 
 }  // namespace meshgraft::cli

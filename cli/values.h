@@ -53,4 +53,7 @@ UprightModels parse_upright(std::string_view text, const std::string& option);
 /// Parses two numbers from 0 on, such as "12:7". Throws Error(usage) that names `option`.
 std::array<Index, 2> index_pair(const std::string& text, const std::string& option);
 
+/// Returns a coordinate as text, rounded to that many digits of `size` or of the value, whichever is finer.
+std::string coordinate_text(double value, double size, int digits = 6);
+
 }  // namespace meshgraft::cli

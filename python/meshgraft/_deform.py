@@ -267,7 +267,10 @@ class Deformer(_Solver[M]):
     def with_region(self, region: Any, handles: Mapping[str, Any], *, fixed: Any = None, anchors: Any = None,
                     features: Sequence[Any] | None = None, symmetry: Any = None,
                     progress: Progress = None) -> Deformer[M]:
-        """Returns a Deformer for another region of the same mesh, by the same settings."""
+        """Returns a Deformer for another region of the same mesh, by the same settings.
+
+        Handles, fixed vertices, anchors, features and symmetry are those given here alone.
+        """
         other: Deformer[M] = Deformer.__new__(Deformer)
         given = other._set_up(self._adapted.given, region, handles, fixed, anchors, features, symmetry, self._weld,
                               self._given_settings)

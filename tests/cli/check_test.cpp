@@ -110,6 +110,15 @@ TEST_F(CommandLine, CheckNamesNoRepairThatLeavesNothing) {
   EXPECT_NE(check.out.find("a repair would leave no face"), std::string::npos) << check.out;
 }
 
+// A surface with one side has no consistent orientation, so that a repair changes nothing.
+TEST_F(CommandLine, CheckNamesNoRepairThatChangesNothing) {
+  write_mesh(shapes::moebius_strip(), folder_ / "strip.ply");
+  const Outcome check = run("check strip.ply");
+  EXPECT_EQ(check.status, 3);
+  EXPECT_NE(check.out.find("inconsistent-winding"), std::string::npos) << check.out;
+  EXPECT_EQ(check.out.find("to mend"), std::string::npos) << check.out;
+}
+
 // Notes on the file itself, such as one that other methods made it, are no defects.
 TEST_F(CommandLine, CheckTellsOfAnEditMadeWithOtherMethods) {
   const auto made_with = [&](int methods) {

@@ -151,7 +151,9 @@ TEST(Sculpt, FadesOutOverItsReach) {
     const Points raised = inflate_region(cap.surface(), 0.1, reach),
                  flat = flatten_region(cap.surface(), 1, reach);
     for (Index v = 0; v < cap.ball.size(); ++v) {
-      if (cap.distance[v] == 0) EXPECT_EQ(weights[v], 1) << "the whole region moves";
+      if (cap.distance[v] == 0) {
+        EXPECT_EQ(weights[v], 1) << "the whole region moves";
+      }
       if (cap.distance[v] > 0 && cap.distance[v] >= reach) {
         EXPECT_EQ(weights[v], 0);
         EXPECT_EQ(raised.row(v), cap.ball.positions.row(v)) << reach;
@@ -159,8 +161,9 @@ TEST(Sculpt, FadesOutOverItsReach) {
       }
       EXPECT_NEAR((raised.row(v) - cap.ball.positions.row(v)).norm(), 0.1 * weights[v], 1e-9);
       for (Index w = 0; w < cap.ball.size(); ++w)
-        if (cap.distance[w] > cap.distance[v])
+        if (cap.distance[w] > cap.distance[v]) {
           EXPECT_LE(weights[w], weights[v]) << "it falls with the distance";
+        }
     }
     EXPECT_GT(cap.moved(raised), last) << "a larger reach moves more";
     last = cap.moved(raised);
@@ -191,9 +194,14 @@ TEST(Sculpt, FadesTowardsAnOpenBoundary) {
   for (Index v = 0; v < sheet.size(); ++v) {
     const Vector3d p = sheet.positions.row(v);
     const double room = std::min({p.x() - low.x(), high.x() - p.x(), p.y() - low.y(), high.y() - p.y()});
-    if (room <= 0) EXPECT_EQ(weights[v], 0);
-    if (room > 0.31 * size && p.x() < low.x() + 0.5 * size) EXPECT_EQ(weights[v], 1);
-    if (room > 0 && room < 0.1 * size) EXPECT_LT(weights[v], 0.5);
+    if (room <= 0) {
+      EXPECT_EQ(weights[v], 0);
+    } else if (room < 0.1 * size) {
+      EXPECT_LT(weights[v], 0.5);
+    }
+    if (room > 0.31 * size && p.x() < low.x() + 0.5 * size) {
+      EXPECT_EQ(weights[v], 1);
+    }
   }
 }
 

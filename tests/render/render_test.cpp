@@ -190,8 +190,12 @@ TEST(Render, IsTransparentAroundTheShapes) {
   for (std::size_t i = 0; i < image.cover.size(); ++i) {
     inside += image.cover[i] == 255 ? 1 : 0;
     outside += image.cover[i] == 0 ? 1 : 0;
-    if (image.cover[i] == 255) EXPECT_NEAR(image.pixels[3 * i], opaque.pixels[3 * i], 2) << "pixel " << i;
-    if (image.cover[i] > 75) EXPECT_GT(image.pixels[3 * i], 40) << "pixel " << i << ": no dark rim";
+    if (image.cover[i] == 255) {
+      EXPECT_NEAR(image.pixels[3 * i], opaque.pixels[3 * i], 2) << "pixel " << i;
+    }
+    if (image.cover[i] > 75) {
+      EXPECT_GT(image.pixels[3 * i], 40) << "pixel " << i << ": no dark rim";
+    }
   }
   EXPECT_GT(inside, 1000u);
   EXPECT_GT(outside, 1000u);
