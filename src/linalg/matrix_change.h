@@ -9,7 +9,7 @@
 
 namespace meshgraft {
 
-/// What a symmetric matrix N changes to when some of its unknowns are removed.
+/// Describes how a symmetric matrix N changes when some of its unknowns are removed.
 struct MatrixChange {
   /// The lower triangle of the difference, by the unknowns of N. Its entries are at places where N has some. A
   /// removed unknown keeps its diagonal and loses all other entries.

@@ -51,7 +51,7 @@ TEST(SplitNonManifold, JoinsTheSameSheetsAlongACurve) {
       }
 }
 
-// Where a sheet is slit, its two halves do not outweigh the sheet that goes on straight.
+// The two halves of a slit sheet do not outweigh the sheet that goes on straight.
 TEST(SplitNonManifold, JoinsTheSheetsThatRunAlongMostOfACurve) {
   const Mesh whole = shapes::sheets_at_a_line({0, 90, 180, 270});
   Mesh slit = whole;
